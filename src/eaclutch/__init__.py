@@ -1,0 +1,1 @@
+"""eaclutch: calibrate electroadhesive clutches and diagnose their sim-to-real gap."""
