@@ -1,0 +1,1 @@
+"""Priors, likelihoods, sampling, convergence and storage of posteriors."""

@@ -1,0 +1,1 @@
+"""What the clutch should do: laws, tables, the compiled solver, and one file an effect."""

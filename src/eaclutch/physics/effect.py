@@ -1,0 +1,82 @@
+"""What an effect is: one frozen record, the same kind of thing for the base model and for candidates."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from eaclutch.physics.sockets import Sockets
+from eaclutch.records import Bench, FloatArray, RunConditions
+
+Stage = Literal[
+    "session", "drive", "dielectric", "electrostatics", "contact", "film", "friction", "load_train",
+    "readout", "capacitance_bench",
+]  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Prior:
+    """A one-dimensional prior: ``normal`` (a mean, b sd), ``lognormal`` (a median, b sd of the log),
+    ``halfnormal`` (a scale), ``uniform`` (a low, b high), ``loguniform`` (a low, b high)."""
+
+    distribution: Literal["normal", "lognormal", "halfnormal", "uniform", "loguniform"]
+    a: float
+    b: float = 0.0
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A model parameter. ``neutral``: the value that switches its effect off exactly (None: calibrated base
+    parameter, or a parameter that does nothing while its effect's amplitude is neutral)."""
+
+    name: str
+    unit: str
+    bounds: tuple[float, float]
+    default: float
+    prior: Prior
+    neutral: float | None = None
+    description: str = ""
+
+
+@dataclass(frozen=True)
+class Inputs:
+    """What an effect may look at: the bench, the runs, and derived arrays, each (draws, runs) or broadcastable.
+
+    preload [N]: estimated from the friction before with the base model; area [m2]: overlap L_e w_s;
+    capacitance [F] of the closed pad (for drive time constants); substrate_mass, film_mass [kg];
+    parameters: the calibrated base parameters of this prediction; session_index: 0.. in order of time.
+    """
+
+    bench: Bench
+    conditions: RunConditions
+    parameters: Mapping[str, FloatArray]
+    preload: FloatArray
+    area: FloatArray
+    film_mass: FloatArray
+    substrate_mass: FloatArray
+    capacitance: FloatArray
+    session_index: np.ndarray
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A physical effect: where it acts, its parameters, its law as a pure function on sockets.
+
+    ``apply(sockets, inputs, values)``: new sockets; ``values`` maps the effect's parameter names (without the
+    prefix) to arrays that broadcast to (draws, runs). ``draw(rng)``: a plausible random parameter set for
+    studies. ``role`` says whether the base model has it on.
+    """
+
+    name: str
+    role: Literal["base", "candidate"]
+    stage: Stage
+    action: Literal["adds", "multiplies", "replaces"]
+    summary: str
+    parameters: tuple[Parameter, ...]
+    reference: str
+    validity: str
+    apply: Callable[[Sockets, Inputs, Mapping[str, FloatArray]], Sockets]
+    draw: Callable[[np.random.Generator], dict[str, float]]

@@ -1,0 +1,62 @@
+"""Sockets: the plain numbers per run that the compiled solver understands.
+
+An effect fills sockets from run conditions and its parameters; the solver never learns an effect's name.
+Every field broadcasts to (draws, runs). The defaults are neutral: they are what is left when no effect is on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+
+@dataclass(frozen=True)
+class Sockets:
+    """Neutral defaults; SI units. V0 is the run's drive amplitude, t counts from switch-off."""
+
+    # drive
+    rise_time_constant: ArrayLike = 0.0  # s; 0 = step
+    fall_time_constant: ArrayLike = 0.0  # s; 0 = step
+    drive_delay: ArrayLike = 0.0  # s; between the logged edge and the film's, both edges
+    # dielectric: kappa while driven, and how it relaxes after a change of the field
+    kappa_driven: ArrayLike = np.nan  # NaN = kappa_static
+    relaxing: ArrayLike = 0.0  # 1: Cole-Cole history after each edge, 0: kappa constant
+    saturation_ratio: ArrayLike = 0.0  # kappa -> kappa (1 + ratio (V/V0)^2)^(-1/3)
+    thinning_ratio: ArrayLike = 0.0  # film thickness -> T_d (1 - ratio (V/V0)^2)
+    # electrostatics
+    gap_in_force: ArrayLike = 0.0  # 1: air gap counts in the force, 0: bare film
+    roughness_in_force: ArrayLike = 0.0  # 0: flat gap, 1: averaged (published cut), 2: averaged (clamped)
+    force_factor: ArrayLike = 1.0  # multiplies F_ea beside force_multiplier
+    residual_fraction: ArrayLike = 0.0  # residual field: V_res = fraction V0 exp(-t / residual_decay_time)
+    residual_decay_time: ArrayLike = 1.0  # s
+    # contact
+    contact_factor: ArrayLike = 1.0  # multiplies contact_stiffness
+    gap_spread_sd: ArrayLike = 0.0  # m; adds in quadrature to the roughness sd in contact and force (tilt)
+    adhesion_force: ArrayLike = 0.0  # N at full contact; acts as adhesion_force * Phi(-h / sigma)
+    # film
+    film_weight: ArrayLike = 0.0  # N; m_d g
+    damping_factor: ArrayLike = 0.0  # multiplies the squeeze-film coefficient; 0 = no squeeze film
+    slip_length: ArrayLike = 0.0  # m; F_b = -c / (h^2 (h + 6 slip_length)) dh/dt
+    film_spring: ArrayLike = 0.0  # N/m; carries film_spring * (h_before - h) of the load
+    preload_carried: ArrayLike = 0.0  # fraction of F_pre that never reaches the contact
+    # friction
+    side_friction: ArrayLike = 0.0  # N kinetic, beside base and film, while sliding
+    side_friction_static: ArrayLike = 0.0  # N static
+    side_damping: ArrayLike = 0.0  # kg/s, viscous, while the tip pushes
+    static_factor_release: ArrayLike = 1.0  # multiplies the static coefficients at switch-off (rest = dwell)
+    static_factor_ramp: ArrayLike = 1.0  # multiplies them during the driven ramp
+    weakening_depth: ArrayLike = 0.0  # mu_k -> mu_k (1 - depth (1 - exp(-|v| / weakening_speed)))
+    weakening_speed: ArrayLike = 1.0  # m/s
+    # load train
+    load_cell_dynamic: ArrayLike = 0.0  # 1: mass-spring-damper, 0: the reading follows the friction
+    added_mass: ArrayLike = 0.0  # kg; moves with the tip while it pushes
+    series_compliance: ArrayLike = 0.0  # m/N; in series with the load cell while the tip pushes
+    # capacitance bench
+    stray_capacitance: ArrayLike = 0.0  # F; parallel to the pad on the fixture
+
+    def with_(self, **changes: Any) -> Sockets:
+        """A copy with some sockets replaced; an unknown name is an error."""
+        return replace(self, **changes)

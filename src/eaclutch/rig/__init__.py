@@ -1,0 +1,1 @@
+"""What the bench produced: log formats, repair and quality, observables, gap, serial driver, emulator."""
