@@ -80,3 +80,10 @@ class Effect:
     validity: str
     apply: Callable[[Sockets, Inputs, Mapping[str, FloatArray]], Sockets]
     draw: Callable[[np.random.Generator], dict[str, float]]
+
+
+STRENGTH = Parameter(
+    "strength", "1", (0.0, 1.0), 1.0, Prior("uniform", 0.0, 1.0), neutral=0.0,
+    description="1: as the law says, 0: exactly off; the base model keeps it at 1",
+)  # fmt: skip
+"""The one parameter of every base effect: a weight that is fixed at 1 unless the effect is itself a candidate."""
