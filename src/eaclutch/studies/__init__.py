@@ -1,0 +1,1 @@
+"""Design maps and the rest of the paper: sweeps, published comparisons, the finite-element check."""
