@@ -259,3 +259,17 @@ class BurstFeatures:
     frequency_sd: FloatArray
     damping_ratio: FloatArray
     damping_ratio_sd: FloatArray
+
+
+@dataclass(frozen=True)
+class FieldSolution:
+    """A solved electrostatic cross-section of the pad. ``pressure`` [Pa]: normal force on the substrate over the electrodes' area;
+    ``gap_voltage`` [V]: mean |potential difference| across the air gap above the electrodes;
+    ``substrate_potential`` [V] (conductor only, else NaN); x [m], y [m], potential [V]: the nodes."""
+
+    pressure: float
+    gap_voltage: float
+    substrate_potential: float
+    x: FloatArray
+    y: FloatArray
+    potential: FloatArray

@@ -19,7 +19,7 @@ from scipy.constants import epsilon_0
 from skfem import Basis, BilinearForm, ElementQuad2, FacetBasis, Functional, MeshQuad, condense, solve
 from skfem.helpers import dot, grad
 
-from eaclutch.records import FloatArray, Pad
+from eaclutch.records import FieldSolution, FloatArray, Pad
 
 AIR_BELOW = 1e-3  # m; the field under the electrodes has died out by then
 AIR_ABOVE = 1e-3  # m
@@ -38,25 +38,12 @@ class CrossSection:
     substrate_thickness: float = 2e-3
 
     @classmethod
-    def of_pad(cls, pad: Pad, film_permittivity: float, gap: float, **rest: float | None) -> CrossSection:
+    def of_pad(
+        cls, pad: Pad, film_permittivity: float, gap: float, substrate_permittivity: float | None = None
+    ) -> CrossSection:
         """The cross-section of a pad at one gap [m]."""
-        return cls(
-            film_permittivity, gap, pad.film_thickness, pad.electrode_length, pad.electrode_gap, **rest
-        )  # type: ignore[arg-type]
-
-
-@dataclass(frozen=True)
-class Field:
-    """A solved field. ``pressure`` [Pa]: normal force on the substrate over the electrodes' area;
-    ``gap_voltage`` [V]: mean |potential difference| across the air gap above the electrodes;
-    ``substrate_potential`` [V] (conductor only, else NaN); x [m], y [m], potential [V]: the nodes."""
-
-    pressure: float
-    gap_voltage: float
-    substrate_potential: float
-    x: FloatArray
-    y: FloatArray
-    potential: FloatArray
+        lengths = (pad.film_thickness, pad.electrode_length, pad.electrode_gap)
+        return cls(film_permittivity, gap, *lengths, substrate_permittivity)
 
 
 def _graded(length: float, first: float, growth: float = 1.35) -> FloatArray:
@@ -116,7 +103,7 @@ def _stress(w):  # type: ignore[no-untyped-def]
     return epsilon_0 / 2 * (gradient[1] ** 2 - gradient[0] ** 2)
 
 
-def solve_field(section: CrossSection, voltage: float, refinement: int = 2) -> Field:
+def solve_field(section: CrossSection, voltage: float, refinement: int = 2) -> FieldSolution:
     """Solve one cross-section with one electrode at ``voltage`` and its neighbour at 0.
 
     ``refinement`` scales the number of cells per layer; the mesh-convergence test doubles it.
@@ -147,7 +134,7 @@ def solve_field(section: CrossSection, voltage: float, refinement: int = 2) -> F
         floating = -float((matrix @ by_electrodes)[metal].sum() / (matrix @ by_metal)[metal].sum())
         potential = by_electrodes + floating * by_metal
     nodes = basis.nodal_dofs[0]
-    return Field(
+    return FieldSolution(
         _pressure(section, mesh, potential, tops),
         _gap_voltage(section, mesh, potential[nodes], tops),
         floating, mesh.p[0], mesh.p[1], potential[nodes],
