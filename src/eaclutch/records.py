@@ -263,7 +263,7 @@ class BurstFeatures:
 
 @dataclass(frozen=True)
 class FieldSolution:
-    """A solved electrostatic cross-section of the pad. ``pressure`` [Pa]: normal force on the substrate over the electrodes' area;
+    """A solved electrostatic cross-section. ``pressure`` [Pa]: force on the substrate over the electrodes' area;
     ``gap_voltage`` [V]: mean |potential difference| across the air gap above the electrodes;
     ``substrate_potential`` [V] (conductor only, else NaN); x [m], y [m], potential [V]: the nodes."""
 
