@@ -27,8 +27,8 @@ class Sockets:
     saturation_ratio: ArrayLike = 0.0  # kappa -> kappa (1 + ratio (V/V0)^2)^(-1/3)
     thinning_ratio: ArrayLike = 0.0  # film thickness -> T_d (1 - ratio (V/V0)^2)
     # electrostatics
-    gap_in_force: ArrayLike = 0.0  # 1: air gap counts in the force, 0: bare film
-    roughness_in_force: ArrayLike = 0.0  # 0: flat gap, 1: averaged (published cut), 2: averaged (clamped)
+    gap_in_force: ArrayLike = 0.0  # weight of the gap in the force: kappa h -> kappa h weight; 0: bare film
+    roughness_in_force: ArrayLike = 0.0  # weight w: F = (1 - w) flat gap + w averaged (the model's rule)
     force_factor: ArrayLike = 1.0  # multiplies F_ea beside force_multiplier
     residual_fraction: ArrayLike = 0.0  # residual field: V_res = fraction V0 exp(-t / residual_decay_time)
     residual_decay_time: ArrayLike = 1.0  # s
@@ -43,6 +43,7 @@ class Sockets:
     film_spring: ArrayLike = 0.0  # N/m; carries film_spring * (h_before - h) of the load
     preload_carried: ArrayLike = 0.0  # fraction of F_pre that never reaches the contact
     # friction
+    friction_factor: ArrayLike = 1.0  # multiplies all four coefficients once the voltage is on (not F_pre's)
     side_friction: ArrayLike = 0.0  # N kinetic, beside base and film, while sliding
     side_friction_static: ArrayLike = 0.0  # N static
     side_damping: ArrayLike = 0.0  # kg/s, viscous, while the tip pushes
@@ -51,7 +52,7 @@ class Sockets:
     weakening_depth: ArrayLike = 0.0  # mu_k -> mu_k (1 - depth (1 - exp(-|v| / weakening_speed)))
     weakening_speed: ArrayLike = 1.0  # m/s
     # load train
-    load_cell_dynamic: ArrayLike = 0.0  # 1: mass-spring-damper, 0: the reading follows the friction
+    load_cell_dynamic: ArrayLike = 0.0  # 1: mass-spring-damper, 0: the reading follows the friction; no between
     added_mass: ArrayLike = 0.0  # kg; moves with the tip while it pushes
     series_compliance: ArrayLike = 0.0  # m/N; in series with the load cell while the tip pushes
     # capacitance bench
