@@ -27,7 +27,7 @@ class Sockets:
     saturation_ratio: ArrayLike = 0.0  # kappa -> kappa (1 + ratio (V/V0)^2)^(-1/3)
     thinning_ratio: ArrayLike = 0.0  # film thickness -> T_d (1 - ratio (V/V0)^2)
     # electrostatics
-    gap_in_force: ArrayLike = 0.0  # weight of the gap in the force: kappa h -> kappa h weight; 0: bare film
+    gap_in_force: ArrayLike = 0.0  # weight w: F = (1 - w) bare film + w with the gap
     roughness_in_force: ArrayLike = 0.0  # weight w: F = (1 - w) flat gap + w averaged (the model's rule)
     force_factor: ArrayLike = 1.0  # multiplies F_ea beside force_multiplier
     residual_fraction: ArrayLike = 0.0  # residual field: V_res = fraction V0 exp(-t / residual_decay_time)

@@ -1,5 +1,5 @@
 """Air gap: F_ea = kappa^2 eps0 N A (V/2)^2 / (2 (T_d + kappa h)^2) instead of the bare film's
-kappa eps0 N A (V/2)^2 / (2 T_d^2). The kernel takes the gap in the force as ``gap_in_force * h``."""
+kappa eps0 N A (V/2)^2 / (2 T_d^2). The kernel weighs the two by ``gap_in_force``."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from eaclutch.records import FloatArray
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """The gap counts in the force with weight ``strength`` (0: the bare film's force, whatever the gap)."""
+    """The force with the gap has weight ``strength`` against the bare film's."""
     return sockets.with_(gap_in_force=values["strength"])
 
 
