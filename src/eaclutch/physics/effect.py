@@ -43,7 +43,7 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Inputs:
-    """What an effect may look at: the bench, the runs, and derived arrays, each (draws, runs) or broadcastable.
+    """What an effect may look at: bench, runs and derived arrays, each (draws, runs) or broadcastable.
 
     preload [N]: estimated from the friction before with the base model; area [m2]: overlap L_e w_s;
     capacitance [F] of the closed pad (for drive time constants); substrate_mass, film_mass [kg];
@@ -59,6 +59,12 @@ class Inputs:
     substrate_mass: FloatArray
     capacitance: FloatArray
     session_index: np.ndarray
+
+    @property
+    def film_field(self) -> FloatArray:
+        """Nominal field in the film where the gap is closed [V/m]: (V/2) / T_d, or V / T_d of a plate."""
+        drop = 2.0 if self.bench.pad.type == "interdigitated" else 1.0
+        return self.conditions.voltage / (drop * self.parameters["film_thickness"])
 
 
 @dataclass(frozen=True)
@@ -86,4 +92,4 @@ STRENGTH = Parameter(
     "strength", "1", (0.0, 1.0), 1.0, Prior("uniform", 0.0, 1.0), neutral=0.0,
     description="1: as the law says, 0: exactly off; the base model keeps it at 1",
 )  # fmt: skip
-"""The one parameter of every base effect: a weight that is fixed at 1 unless the effect is itself a candidate."""
+"""The one parameter of every base effect: a weight, fixed at 1 unless the effect is itself a candidate."""

@@ -10,7 +10,8 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
+
+from eaclutch.records import FloatArray
 
 
 @dataclass(frozen=True)
@@ -18,45 +19,57 @@ class Sockets:
     """Neutral defaults; SI units. V0 is the run's drive amplitude, t counts from switch-off."""
 
     # drive
-    rise_time_constant: ArrayLike = 0.0  # s; 0 = step
-    fall_time_constant: ArrayLike = 0.0  # s; 0 = step
-    drive_delay: ArrayLike = 0.0  # s; between the logged edge and the film's, both edges
+    rise_time_constant: FloatArray | float = 0.0  # s; 0 = step
+    fall_time_constant: FloatArray | float = 0.0  # s; 0 = step
+    drive_delay: FloatArray | float = 0.0  # s; between the logged edge and the film's, both edges
     # dielectric: kappa while driven, and how it relaxes after a change of the field
-    kappa_driven: ArrayLike = np.nan  # NaN = kappa_static
-    relaxing: ArrayLike = 0.0  # 1: Cole-Cole history after each edge, 0: kappa constant
-    saturation_ratio: ArrayLike = 0.0  # kappa -> kappa (1 + ratio (V/V0)^2)^(-1/3)
-    thinning_ratio: ArrayLike = 0.0  # film thickness -> T_d (1 - ratio (V/V0)^2)
+    kappa_driven: FloatArray | float = np.nan  # NaN = kappa_static
+    relaxing: FloatArray | float = 0.0  # 1: Cole-Cole history after each edge, 0: kappa constant
+    saturation_ratio: FloatArray | float = 0.0  # kappa -> kappa (1 + ratio (V/V0)^2)^(-1/3)
+    thinning_ratio: FloatArray | float = 0.0  # film thickness -> T_d (1 - ratio (V/V0)^2)
     # electrostatics
-    gap_in_force: ArrayLike = 0.0  # weight w: F = (1 - w) bare film + w with the gap
-    roughness_in_force: ArrayLike = 0.0  # weight w: F = (1 - w) flat gap + w averaged (the model's rule)
-    force_factor: ArrayLike = 1.0  # multiplies F_ea beside force_multiplier
-    residual_fraction: ArrayLike = 0.0  # residual field: V_res = fraction V0 exp(-t / residual_decay_time)
-    residual_decay_time: ArrayLike = 1.0  # s
+    gap_in_force: FloatArray | float = 0.0  # weight w: F = (1 - w) bare film + w with the gap
+    roughness_in_force: FloatArray | float = (
+        0.0  # weight w: F = (1 - w) flat gap + w averaged (the model's rule)
+    )
+    force_factor: FloatArray | float = 1.0  # multiplies F_ea beside force_multiplier
+    residual_fraction: FloatArray | float = (
+        0.0  # residual field: V_res = fraction V0 exp(-t / residual_decay_time)
+    )
+    residual_decay_time: FloatArray | float = 1.0  # s
     # contact
-    contact_factor: ArrayLike = 1.0  # multiplies contact_stiffness
-    gap_spread_sd: ArrayLike = 0.0  # m; adds in quadrature to the roughness sd in contact and force (tilt)
-    adhesion_force: ArrayLike = 0.0  # N at full contact; acts as adhesion_force * Phi(-h / sigma)
+    contact_factor: FloatArray | float = 1.0  # multiplies contact_stiffness
+    gap_spread_sd: FloatArray | float = (
+        0.0  # m; adds in quadrature to the roughness sd in contact and force (tilt)
+    )
+    adhesion_force: FloatArray | float = 0.0  # N at full contact; acts as adhesion_force * Phi(-h / sigma)
     # film
-    film_weight: ArrayLike = 0.0  # N; m_d g
-    damping_factor: ArrayLike = 0.0  # multiplies the squeeze-film coefficient; 0 = no squeeze film
-    slip_length: ArrayLike = 0.0  # m; F_b = -c / (h^2 (h + 6 slip_length)) dh/dt
-    film_spring: ArrayLike = 0.0  # N/m; carries film_spring * (h_before - h) of the load
-    preload_carried: ArrayLike = 0.0  # fraction of F_pre that never reaches the contact
+    film_weight: FloatArray | float = 0.0  # N; m_d g
+    damping_factor: FloatArray | float = 0.0  # multiplies the squeeze-film coefficient; 0 = no squeeze film
+    slip_length: FloatArray | float = 0.0  # m; F_b = -c / (h^2 (h + 6 slip_length)) dh/dt
+    film_spring: FloatArray | float = 0.0  # N/m; carries film_spring * (h_before - h) of the load
+    preload_carried: FloatArray | float = 0.0  # fraction of F_pre that never reaches the contact
     # friction
-    friction_factor: ArrayLike = 1.0  # multiplies all four coefficients once the voltage is on (not F_pre's)
-    side_friction: ArrayLike = 0.0  # N kinetic, beside base and film, while sliding
-    side_friction_static: ArrayLike = 0.0  # N static
-    side_damping: ArrayLike = 0.0  # kg/s, viscous, while the tip pushes
-    static_factor_release: ArrayLike = 1.0  # multiplies the static coefficients at switch-off (rest = dwell)
-    static_factor_ramp: ArrayLike = 1.0  # multiplies them during the driven ramp
-    weakening_depth: ArrayLike = 0.0  # mu_k -> mu_k (1 - depth (1 - exp(-|v| / weakening_speed)))
-    weakening_speed: ArrayLike = 1.0  # m/s
+    friction_factor: FloatArray | float = (
+        1.0  # multiplies all four coefficients once the voltage is on (not F_pre's)
+    )
+    side_friction: FloatArray | float = 0.0  # N kinetic, beside base and film, while sliding
+    side_friction_static: FloatArray | float = 0.0  # N static
+    side_damping: FloatArray | float = 0.0  # kg/s, viscous, while the tip pushes
+    static_factor_release: FloatArray | float = (
+        1.0  # multiplies the static coefficients at switch-off (rest = dwell)
+    )
+    static_factor_ramp: FloatArray | float = 1.0  # multiplies them during the driven ramp
+    weakening_depth: FloatArray | float = 0.0  # mu_k -> mu_k (1 - depth (1 - exp(-|v| / weakening_speed)))
+    weakening_speed: FloatArray | float = 1.0  # m/s
     # load train
-    load_cell_dynamic: ArrayLike = 0.0  # 1: mass-spring-damper, 0: the reading follows the friction; no between
-    added_mass: ArrayLike = 0.0  # kg; moves with the tip while it pushes
-    series_compliance: ArrayLike = 0.0  # m/N; in series with the load cell while the tip pushes
+    load_cell_dynamic: FloatArray | float = (
+        0.0  # 1: mass-spring-damper, 0: the reading follows the friction; no between
+    )
+    added_mass: FloatArray | float = 0.0  # kg; moves with the tip while it pushes
+    series_compliance: FloatArray | float = 0.0  # m/N; in series with the load cell while the tip pushes
     # capacitance bench
-    stray_capacitance: ArrayLike = 0.0  # F; parallel to the pad on the fixture
+    stray_capacitance: FloatArray | float = 0.0  # F; parallel to the pad on the fixture
 
     def with_(self, **changes: Any) -> Sockets:
         """A copy with some sockets replaced; an unknown name is an error."""

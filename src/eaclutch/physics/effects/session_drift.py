@@ -1,0 +1,66 @@
+"""Session drift: mounting, humidity and wear make a session differ from the first one.
+
+Session s has an offset d_s (0 for the first in time). It multiplies the electroadhesive force by
+exp((1 - c) d_s) and all friction coefficients by exp(c d_s), c the share that friction takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
+from eaclutch.physics.sockets import Sockets
+from eaclutch.records import FloatArray
+
+SESSIONS = 8  # with an offset of its own each; later sessions share the last one's
+
+
+def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
+    """force_factor and friction_factor of each run's session."""
+    session = np.minimum(inputs.session_index, SESSIONS - 1)
+    offset: FloatArray = np.zeros(session.shape)
+    for number in range(1, SESSIONS):
+        offset = offset + np.where(session == number, 1.0, 0.0) * values[f"offset_{number}"]
+    share = np.asarray(values["friction_share"])
+    return sockets.with_(
+        force_factor=sockets.force_factor * np.exp((1.0 - share) * offset),
+        friction_factor=sockets.friction_factor * np.exp(share * offset),
+    )
+
+
+def _draw(rng: np.random.Generator) -> dict[str, float]:
+    sd = rng.uniform(0.1, 0.35)
+    offsets = np.clip(rng.normal(0.0, sd, SESSIONS - 1), -0.99, 0.99)
+    drawn = {f"offset_{number}": float(offsets[number - 1]) for number in range(1, SESSIONS)}
+    return drawn | {"friction_share": float(rng.uniform(0.0, 1.0))}
+
+
+EFFECT = Effect(
+    name="session_drift",
+    role="candidate",
+    stage="session",
+    action="multiplies",
+    summary="mounting, humidity, wear: a session differs from the first",
+    parameters=(
+        *(
+            Parameter(
+                f"offset_{number}", "1", (-1.0, 1.0), 0.0, Prior("normal", 0.0, 0.2), neutral=0.0,
+                description=f"log offset of session {number + 1} in order of time against the first",
+            )
+            for number in range(1, SESSIONS)
+        ),
+        Parameter(
+            "friction_share", "1", (0.0, 1.0), 0.3, Prior("uniform", 0.0, 1.0),
+            description="share of the offset that changes friction, the rest changes the force",
+        ),
+    ),
+    reference=(
+        "Rauf & Follmer, Extreme Mechanics Letters 79 (2025) 102382, doi:10.1016/j.eml.2025.102382 (four "
+        "sessions of its bench); log-normal session factors derived here"
+    ),
+    validity="offsets of a session are constant within it; up to eight sessions told apart",
+    apply=apply,
+    draw=_draw,
+)  # fmt: skip

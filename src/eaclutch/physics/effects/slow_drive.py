@@ -1,0 +1,50 @@
+"""Slow drive: a resistance R in series with the pad makes its voltage lag by R C with C the closed pad's
+capacitance (so by more the wider the strip); two poles in a row are taken as one with the sum of the times."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
+from eaclutch.physics.sockets import Sockets
+from eaclutch.records import FloatArray
+
+
+def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
+    """Both time constants grow by R C."""
+    lag = values["resistance"] * inputs.capacitance
+    return sockets.with_(
+        rise_time_constant=sockets.rise_time_constant + lag,
+        fall_time_constant=sockets.fall_time_constant + lag,
+    )
+
+
+EFFECT = Effect(
+    name="slow_drive",
+    role="candidate",
+    stage="drive",
+    action="adds",
+    summary="extra series resistance: rise and fall grow with the pad's capacitance",
+    parameters=(
+        Parameter(
+            "resistance",
+            "ohm",
+            (0.0, 5e7),
+            0.0,
+            Prior("halfnormal", 1e6),
+            neutral=0.0,
+            description="series resistance between the drive and the pad",
+        ),
+    ),
+    reference=(
+        "Hinchet & Shea, Adv. Mater. Technol. 5 (2020) 1900895, doi:10.1002/admt.201900895 (RC of a clutch); "
+        "RC lag derived here"
+    ),
+    validity="lag below half a period of the drive; capacitance of the closed pad",
+    apply=apply,
+    draw=lambda rng: {
+        "resistance": float(np.exp(rng.uniform(np.log(2e5), np.log(5e6)))),
+    },
+)
