@@ -1,0 +1,141 @@
+"""Checksums that tie results to inputs: what was captured, what came out, whether both still stand."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from eaclutch.files import read_json, sha256, write_json, write_text
+from eaclutch.provenance import commit, versions
+from eaclutch.records import Campaign, InputError
+
+# Not results: job logs, and what differs between equal runs or says where the campaign lay.
+_APART = ("logs", "checkpoints", ".campaign", "manifest.json")
+
+
+def write_capture(campaign: Campaign, batch_size: int, output: Path) -> None:
+    """Write capture.json: every file of the campaign with size and SHA-256, every run with its batch.
+
+    A run's batch follows from its name alone, so that a new run changes one batch and not all.
+    """
+    batches = max(1, -(-len(campaign.logs) // batch_size))
+    named = sorted((log.settings.run, log.path) for log in campaign.logs)
+    paths = [campaign.folder / "campaign.yaml", *(path for _, path in named)]
+    paths += [*campaign.capacitance_files, *campaign.permittivity_files, *campaign.load_cell_files]
+    write_json(
+        output,
+        {
+            "schema": 1,
+            "campaign": campaign.bench.name,
+            "batches": batches,
+            "files": [_entry(path, campaign.folder) for path in paths],
+            "runs": [
+                {"run": run, "path": str(path.relative_to(campaign.folder)), "batch": _batch(run, batches)}
+                for run, path in named
+            ],
+        },
+    )
+    write_text(output.parent / ".campaign", f"{campaign.folder.resolve()}\n")
+
+
+def batch_runs(capture: Mapping[str, Any], batch: int) -> dict[str, str]:
+    """The runs of one batch and their paths below the campaign's folder."""
+    return {entry["run"]: entry["path"] for entry in capture["runs"] if entry["batch"] == batch}
+
+
+def refuse_other_campaign(folder: str | Path, results: str | Path) -> None:
+    """Raise InputError where ``results`` hold those of another campaign of the same name."""
+    folder, results = Path(folder), Path(results)
+    try:
+        before = (results / ".campaign").read_text(encoding="utf-8").strip()
+        capture = read_json(results / "capture.json")
+    except OSError:
+        return
+    if Path(before) == folder.resolve():
+        return
+    logs = {entry["path"] for entry in capture["runs"]}
+    for entry in capture["files"]:
+        path = folder / entry["path"]
+        if entry["path"] in logs and not (path.is_file() and sha256(path) == entry["sha256"]):
+            raise InputError(
+                f"{folder / 'campaign.yaml'}, name",
+                f"{results} holds the results of another campaign of this name ({before})",
+                "give one of them another name, or remove those results",
+            )
+
+
+def write_manifest(results: Path, config: Mapping[str, Any], output: Path) -> None:
+    """Write manifest.json: inputs and results with SHA-256, config, seed, versions, commit."""
+    capture = read_json(results / "capture.json")
+    stated = {**config, "campaign": Path(config["campaign"]).name}
+    write_json(
+        output,
+        {
+            "schema": 1,
+            "campaign": capture["campaign"],
+            "inputs": capture["files"],
+            "config": stated,
+            "seed": config["seed"],
+            "versions": versions(),
+            "commit": commit(),
+            "results": [_entry(path, results) for path in _result_files(results)],
+        },
+    )
+
+
+def verify(results: Path, campaign: Path | None = None) -> list[str]:
+    """What differs from manifest.json: changed, missing or unlisted results, and inputs where they can be read.
+
+    ``campaign``: where the inputs lie; by default where they lay. An empty list: all stands.
+    Raises InputError where there is no manifest.
+    """
+    try:
+        manifest = read_json(results / "manifest.json")
+    except (OSError, ValueError):
+        raise InputError(
+            results / "manifest.json", "is no manifest", "run the campaign to its end first"
+        ) from None
+    found = _differences(manifest["results"], results, "result")
+    listed = {entry["path"] for entry in manifest["results"]}
+    found += [
+        f"result {path.relative_to(results)} is not in the manifest"
+        for path in _result_files(results)
+        if str(path.relative_to(results)) not in listed
+    ]
+    if campaign is None and (results / ".campaign").is_file():
+        campaign = Path((results / ".campaign").read_text(encoding="utf-8").strip())
+    if campaign is None or not campaign.is_dir():
+        return [*found, f"the campaign's folder {campaign} cannot be read"]
+    return found + _differences(manifest["inputs"], campaign, "input")
+
+
+def _differences(entries: list[dict[str, Any]], folder: Path, kind: str) -> list[str]:
+    found = []
+    for entry in entries:
+        path = folder / entry["path"]
+        if not path.is_file():
+            found.append(f"{kind} {entry['path']} is missing")
+        elif sha256(path) != entry["sha256"]:
+            found.append(f"{kind} {entry['path']} has changed")
+    return found
+
+
+def _result_files(results: Path) -> list[Path]:
+    paths = []
+    for folder, folders, names in os.walk(results):
+        folders[:] = sorted(name for name in folders if not (Path(folder) == results and name in _APART))
+        paths += [
+            Path(folder, name) for name in sorted(names) if not (Path(folder) == results and name in _APART)
+        ]
+    return sorted(paths)
+
+
+def _entry(path: Path, folder: Path) -> dict[str, Any]:
+    return {"path": str(path.relative_to(folder)), "size": path.stat().st_size, "sha256": sha256(path)}
+
+
+def _batch(run: str, batches: int) -> int:
+    return int.from_bytes(hashlib.sha256(run.encode()).digest()[:8], "big") % batches

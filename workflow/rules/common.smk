@@ -1,0 +1,101 @@
+# Conventions of all rules: the config, path patterns, slices, seeds. Stated once, used by every stage.
+import json
+import os
+import sys
+import time
+from pathlib import Path
+
+from eaclutch.config import load_bench, load_config
+from eaclutch.config.slices import bench_slice, job_seed
+from eaclutch.physics.effects import BASE, EFFECTS
+from eaclutch.provenance import code_hash
+from eaclutch.records import InputError
+from eaclutch.manifest import refuse_other_campaign
+
+STARTED = time.time()
+CHECKOUT = Path(workflow.basedir)
+
+
+def stop(error):
+    """One line and out, before a DAG is built."""
+    print(f"eaclutch: error: {error}", file=sys.stderr)
+    sys.exit(1)
+
+
+try:
+    CONFIG = load_config(
+        workflow.config_settings.configfiles or [CHECKOUT / "config" / "config.yaml"], workflow.config_settings.config
+    )
+    CAMPAIGN = CONFIG["campaign"]
+    BENCH = load_bench(CAMPAIGN)
+    RESULTS = f"results/{BENCH.name}"
+    refuse_other_campaign(CAMPAIGN, RESULTS)
+except InputError as error:
+    stop(error)
+
+# The environment's own commands first; one thread a job unless the rule asks for more.
+os.environ["PATH"] = os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")])
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
+    os.environ[variable] = "1"
+
+
+def results(pattern):
+    """A path pattern below the campaign's results folder."""
+    return f"{RESULTS}/{pattern}"
+
+
+def log_of(rule_name, wildcards=""):
+    """Where a rule logs: its name and its wildcards."""
+    return results(f"logs/{rule_name}/{wildcards or rule_name}.log")
+
+
+def settings(*keys, priors=None):
+    """JSON of those parts of the config (``model``, ``posterior.walkers``); the rule reruns when they change.
+
+    ``priors``: names of parameters whose priors from the config go along.
+    """
+    part = {}
+    if priors is not None:
+        part["priors"] = {name: prior for name, prior in CONFIG["priors"].items() if name in priors}
+    for key in keys:
+        value = CONFIG
+        for name in key.split("."):
+            value = value[name]
+        part[key] = value
+    return json.dumps(part, sort_keys=True)
+
+
+def bench(*parts):
+    """The named facts of campaign.yaml as text; the rule reruns when one of them changes."""
+    return bench_slice(BENCH, parts)
+
+
+def code(*modules, effects=()):
+    """Hash of the library's parts that a rule depends on; the rule reruns when one of them changes."""
+    return code_hash(modules, effects)
+
+
+# Names of the effects that the model has, and of those that compete to explain what it lacks.
+EFFECTS_ON = [name for name in CONFIG["model"]["effects"] or BASE if name not in CONFIG["model"]["without"]]
+CANDIDATES = [
+    name for name in CONFIG["diagnosis"]["candidates"] or EFFECTS if name not in EFFECTS_ON
+]
+
+
+def seed(*labels):
+    """The seed of a job, from the config's seed and what tells the job from others."""
+    return job_seed(CONFIG["seed"], labels)
+
+
+def campaign_files(folder):
+    """The campaign's files in one of its folders, so that a changed one reruns what reads it."""
+    return sorted(str(path) for path in Path(CAMPAIGN, folder).glob("*") if path.is_file())
+
+
+def job_error():
+    """The first error line that a job of this call left in its log, or None."""
+    logs = [path for path in Path(RESULTS, "logs").rglob("*.log") if path.stat().st_mtime >= STARTED - 1]
+    for path in sorted(logs, key=lambda path: path.stat().st_mtime):
+        for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
+            if line.startswith("eaclutch: error:"):
+                return line
