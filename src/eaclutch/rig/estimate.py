@@ -1,0 +1,29 @@
+"""A measured number with its standard uncertainty, or the reason why there is none."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+
+class Unusable(Exception):
+    """The observable cannot be had from this run; the message is the reason, a stable word for a flag."""
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """``value`` +- ``sd`` (standard uncertainty, same unit); both NaN where ``reason`` says why."""
+
+    value: float
+    sd: float
+    reason: str = ""
+
+    @property
+    def usable(self) -> bool:
+        """Whether there is a number."""
+        return math.isfinite(self.value) and math.isfinite(self.sd)
+
+    @classmethod
+    def missing(cls, reason: str) -> Estimate:
+        """No number, and why."""
+        return cls(math.nan, math.nan, reason)

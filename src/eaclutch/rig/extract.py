@@ -1,0 +1,57 @@
+"""A run's row of runs.csv: every observable with its uncertainty, and what was wrong."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from eaclutch.records import Bench, Recording
+from eaclutch.rig.estimate import Estimate, Unusable
+from eaclutch.rig.observables import OBSERVABLES
+from eaclutch.rig.preload import preload_of
+from eaclutch.rig.repair import repair, spoiled_samples
+from eaclutch.rig.run_view import RunView
+
+
+def extract(recording: Recording, bench: Bench) -> dict[str, Any]:
+    """One row of a batch table from a recording as logged.
+
+    Keys: run, settings (voltage_v, frequency_hz, width_mm, substrate), drive_duration_s, dwell_s, preload_n,
+    ``<observable>`` and ``<observable>_sd`` (NaN where unusable), usable, flags (joined by ``;``).
+    """
+    repaired = repair(recording)
+    run = RunView(repaired, spoiled_samples(repaired))
+    flags = list(repaired.flags)
+    estimates = {}
+    for name, observable in OBSERVABLES.items():
+        try:
+            estimates[name] = observable.measure(run)
+        except Unusable as reason:
+            estimates[name] = Estimate.missing(str(reason))
+    settings = recording.settings
+    row: dict[str, Any] = {
+        "run": settings.run,
+        "substrate": settings.substrate,
+        "voltage_v": settings.voltage,
+        "frequency_hz": settings.frequency,
+        "width_mm": settings.width * 1e3,
+    }
+    try:
+        events = run.events
+        flags += events.flags
+        row |= {"drive_duration_s": events.drive_duration, "dwell_s": events.dwell}
+    except Unusable as reason:
+        flags.append(str(reason))
+        row |= {"drive_duration_s": math.nan, "dwell_s": math.nan}
+    row["preload_n"] = preload_of(estimates["friction_before_n"].value, settings, bench)
+    for name, estimate in estimates.items():
+        row[name], row[f"{name}_sd"] = estimate.value, estimate.sd
+    if run.zero.reason:
+        flags.append(run.zero.reason)
+    usable = [name for name, estimate in estimates.items() if estimate.usable]
+    row["usable"] = bool(np.isin(["shear_capacity_n", "release_time_90_s"], usable).any())
+    row["flags"] = ";".join(sorted(set(flags)))
+    row["reasons"] = ";".join(f"{name}:{e.reason}" for name, e in estimates.items() if e.reason)
+    return row

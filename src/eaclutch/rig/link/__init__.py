@@ -1,0 +1,1 @@
+"""The live rig: its serial protocol, a reader that loses nothing, capture sessions, and an emulated rig."""

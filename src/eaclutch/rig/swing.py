@@ -1,0 +1,63 @@
+"""A damped free swing in a force signal: frequency and damping ratio with their uncertainties."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+
+from eaclutch.records import FloatArray
+
+BAND = (250.0, 1500.0)  # Hz
+CLEAR = 6.0  # amplitude over its standard uncertainty, below which there is no swing
+STRAY = 1.6  # times the noise that may be left
+
+
+@dataclass(frozen=True)
+class Swing:
+    """Natural frequency [Hz], damping ratio, amplitude [N] at the window's start; standard uncertainties."""
+
+    frequency: float
+    frequency_sd: float
+    damping_ratio: float
+    damping_ratio_sd: float
+    amplitude: float
+
+
+def fit_swing(time: FloatArray, force: FloatArray, noise_sd: float) -> Swing | None:
+    """Least squares of level + line + exp(-zeta w t) (a cos(w_d t) + b sin(w_d t)); None where none stands out.
+
+    ``time`` [s] and ``force`` [N] have shape (samples,), ``noise_sd`` [N] is one sample's. The frequency is the
+    undamped one, w / 2 pi with w_d = w sqrt(1 - zeta^2).
+    """
+    t = time - time[0]
+    span = t[-1]
+
+    def design(w: float, zeta: float) -> FloatArray:
+        decay, wd = np.exp(-zeta * w * t), w * np.sqrt(max(1e-9, 1.0 - zeta**2))
+        return np.stack(
+            [np.ones_like(t), t / span - 0.5, decay * np.cos(wd * t), decay * np.sin(wd * t)], axis=1
+        )
+
+    def residual(p: FloatArray) -> FloatArray:
+        basis = design(p[0], p[1])
+        return (force - basis @ np.linalg.lstsq(basis, force, rcond=None)[0]) / noise_sd
+
+    grid = 2 * np.pi * np.arange(BAND[0], BAND[1], 0.35 / span)
+    cost = [np.sum(residual(np.array([w, 0.03])) ** 2) for w in grid]
+    start = np.array([grid[int(np.argmin(cost))], 0.03])
+    low, high = np.array([0.9 * 2 * np.pi * BAND[0], 1e-4]), np.array([1.1 * 2 * np.pi * BAND[1], 0.5])
+    fit = least_squares(residual, start, bounds=(low, high), x_scale=(10.0, 0.01))
+    w, zeta = fit.x
+    basis = design(w, zeta)
+    weights = np.linalg.lstsq(basis, force, rcond=None)[0]
+    amplitude = float(np.hypot(weights[2], weights[3]))
+    left = float(np.sqrt(np.mean(fit.fun**2) * len(t) / (len(t) - 6)))
+    covariance = np.linalg.pinv(fit.jac.T @ fit.jac) * max(1.0, left) ** 2
+    amplitude_sd = noise_sd * float(np.sqrt(np.linalg.pinv(basis.T @ basis)[2, 2]))
+    unclear = amplitude < CLEAR * amplitude_sd * max(1.0, left) or left > STRAY
+    if unclear or zeta > 0.45 or not BAND[0] <= w / (2 * np.pi) <= BAND[1]:
+        return None
+    sd = np.sqrt(np.diag(covariance))
+    return Swing(w / (2 * np.pi), sd[0] / (2 * np.pi), float(zeta), float(sd[1]), amplitude)
