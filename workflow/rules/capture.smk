@@ -1,4 +1,9 @@
-# What there is: recordings from a folder, the live rig or the simulated rig; every file with its checksum.
+# What there is: recordings from a folder, from the live rig or from the simulated rig; every file with its checksum.
+ADD_RUNS = (
+    ""
+    if CONFIG["capture"]["source"] == "recordings"
+    else "eaclutch --log {log} capture {params.campaign:q} --settings {params.settings:q} --seed {params.seed} && "
+)
 
 
 checkpoint capture:
@@ -6,9 +11,7 @@ checkpoint capture:
         plan=CONFIG["capture"]["plan"] or [],
         facts=f"{CAMPAIGN}/campaign.yaml",
         files=[
-            file
-            for folder in ("tensile", "capacitance", "permittivity", "load_cell")
-            for file in campaign_files(folder)
+            file for folder in ("tensile", "capacitance", "permittivity", "load_cell") for file in campaign_files(folder)
         ],
     output:
         results("capture.json"),
@@ -16,11 +19,11 @@ checkpoint capture:
         log_of("capture"),
     params:
         campaign=CAMPAIGN,
-        settings=settings("capture", "observables.batch_size"),
+        settings=settings("capture"),
+        batch_size=CONFIG["observables"]["batch_size"],
         seed=seed("capture"),
-        code=code("manifest", "rig.campaign"),
+        code=code("rig.campaign", "manifest"),
     message:
         "capture: list and check the recordings"
     shell:
-        "eaclutch --log {log} capture --campaign {params.campaign:q} --settings {params.settings:q}"
-        " --seed {params.seed} --output {output:q}"
+        ADD_RUNS + "eaclutch --log {log} check {params.campaign:q} --batch-size {params.batch_size} --out {output:q}"

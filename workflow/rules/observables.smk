@@ -1,86 +1,116 @@
-# From recordings to numbers with uncertainties: a job a batch of runs, then one table.
+# From recordings to numbers with uncertainties: a job a batch of runs, then one table; and the benches beside the rig.
 
 
-def captured(*_):
-    """capture.json once it is there."""
+def captured_runs():
+    """capture.json, once it is there."""
     return json.loads(Path(checkpoints.capture.get().output[0]).read_text(encoding="utf-8"))
 
 
-def logs_of_batch(wildcards):
-    """The recordings of a batch."""
-    return [f"{CAMPAIGN}/{entry['path']}" for entry in captured()["runs"] if entry["batch"] == int(wildcards.batch)]
+def runs_of(wildcards):
+    """The entries of a batch's runs."""
+    return [entry for entry in captured_runs()["runs"] if entry["batch"] == int(wildcards.batch)]
 
 
 def all_batches(pattern):
     """``pattern`` for every batch that was captured."""
-    return lambda wildcards: expand(results(pattern), batch=range(captured()["batches"]))
+    return lambda wildcards: expand(results(pattern), batch=captured_runs()["batches"])
+
+
+def exclusions(wildcards):
+    """Reasons of the batch's runs that are left out, so that dropping a run reruns its own batch only."""
+    left_out = {**BENCH.exclude, **CONFIG["observables"]["exclude"]}
+    return json.dumps({e["run"]: left_out[e["run"]] for e in runs_of(wildcards) if e["run"] in left_out}, sort_keys=True)
 
 
 rule observables:
     input:
-        logs=logs_of_batch,
+        logs=lambda wildcards: [f"{CAMPAIGN}/{entry['file']}" for entry in runs_of(wildcards)],
         capture=ancient(results("capture.json")),
     output:
         runs=results("observables/batch_{batch}.csv"),
-        published=results("observables/published_{batch}.csv"),
         traces=results("observables/traces_{batch}.npz"),
     log:
         log_of("observables", "batch_{batch}"),
     params:
         campaign=CAMPAIGN,
+        exclude=exclusions,
         bench=bench("substrates", "friction", "load_cell", "drive", "stage_speed", "pad", "film_density"),
-        code=code("rig.extract", "rig.published", "rig.traces"),
+        code=code("rig.batch", "rig.traces"),
     group:
         "observables"
     message:
         "observables: batch {wildcards.batch}"
     shell:
-        "eaclutch --log {log} observables --campaign {params.campaign:q} --capture {input.capture:q}"
-        " --batch {wildcards.batch} --output {output.runs:q} --published {output.published:q} --traces {output.traces:q}"
+        "eaclutch --log {log} extract {params.campaign:q} --capture {input.capture:q} --batch {wildcards.batch}"
+        " --exclude {params.exclude:q} --traces {output.traces:q} --out {output.runs:q}"
 
 
 rule runs:
     input:
-        runs=all_batches("observables/batch_{batch}.csv"),
-        published=all_batches("observables/published_{batch}.csv"),
+        all_batches("observables/batch_{batch}.csv"),
     output:
         runs=results("runs.csv"),
-        published=results("runs_published.csv"),
-        definitions=results("observables.json"),
+        observables=results("observables.json"),
         quality=results("quality.json"),
     log:
         log_of("runs"),
     params:
         campaign=CAMPAIGN,
         bench=bench(),
-        settings=settings("observables.preload_bin_edges_n", "observables.exclude"),
-        code=code("rig.table"),
+        preload_edges=json.dumps(CONFIG["observables"]["preload_bin_edges_n"]),
+        exclude=json.dumps(CONFIG["observables"]["exclude"], sort_keys=True),
+        code=code("rig.batch"),
     message:
         "runs: one table of all runs, with sessions, conditions and exclusions"
     shell:
-        "eaclutch --log {log} runs --campaign {params.campaign:q} --settings {params.settings:q}"
-        " --output {output.runs:q} --published {output.published:q} --definitions {output.definitions:q}"
-        " --quality {output.quality:q} {input.runs:q} {input.published:q}"
+        "eaclutch --log {log} join {params.campaign:q} --runs {output.runs:q} --observables {output.observables:q}"
+        " --quality {output.quality:q} --preload-edges {params.preload_edges:q} --exclude {params.exclude:q} {input:q}"
 
 
 rule gap:
     input:
-        capacitance=campaign_files("capacitance"),
-        permittivity=campaign_files("permittivity"),
-        load_cell=campaign_files("load_cell"),
+        campaign_files("capacitance"),
     output:
-        gap=results("gap.csv"),
-        spectra=results("spectra.csv"),
-        bursts=results("bursts.csv"),
+        results("gap.csv"),
     log:
         log_of("gap"),
     params:
         campaign=CAMPAIGN,
-        bench=bench("pad", "fixture"),
-        settings=settings("posterior.capacitance_widths_mm", "posterior.capacitance_force_max_n"),
-        code=code("rig.gap", "rig.capacitance", "rig.spectra", "rig.load_cell"),
+        bench=bench("pad", "fixture", "substrates"),
+        code=code("rig.gap", "rig.capacitance"),
     message:
-        "gap: capacitance readings, permittivity spectra and load-cell bursts"
+        "gap: capacitance readings as gaps"
     shell:
-        "eaclutch --log {log} gap --campaign {params.campaign:q} --settings {params.settings:q}"
-        " --gap {output.gap:q} --spectra {output.spectra:q} --bursts {output.bursts:q}"
+        "eaclutch --log {log} gap {params.campaign:q} --out {output:q}"
+
+
+rule spectra:
+    input:
+        campaign_files("permittivity"),
+    output:
+        results("spectra.csv"),
+    log:
+        log_of("spectra"),
+    params:
+        campaign=CAMPAIGN,
+        code=code("rig.spectra"),
+    message:
+        "spectra: permittivity of the film, all sources"
+    shell:
+        "eaclutch --log {log} spectra {params.campaign:q} --out {output:q}"
+
+
+rule bursts:
+    input:
+        campaign_files("load_cell"),
+    output:
+        results("bursts.csv"),
+    log:
+        log_of("bursts"),
+    params:
+        campaign=CAMPAIGN,
+        code=code("rig.load_cell"),
+    message:
+        "bursts: free swings of the load cell"
+    shell:
+        "eaclutch --log {log} bursts {params.campaign:q} --out {output:q}"

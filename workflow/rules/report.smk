@@ -5,10 +5,10 @@ rule report:
     input:
         capture=results("capture.json"),
         runs=results("runs.csv"),
-        published=results("runs_published.csv"),
         definitions=results("observables.json"),
         quality=results("quality.json"),
         gap=results("gap.csv"),
+        bursts=results("bursts.csv"),
         spectra=results("spectra.csv"),
         traces=all_batches("observables/traces_{batch}.npz"),
         posteriors=expand(results("posterior/{stage}.nc"), stage=STAGES),

@@ -2,44 +2,81 @@
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import click
+import numpy as np
 import pandas as pd
 
-from eaclutch.files import write_csv, write_json
-from eaclutch.rig.batch import batch_of, extract_campaign, join_batches
+from eaclutch.files import atomic, read_json, write_csv, write_json
+from eaclutch.manifest import captured, remember_campaign, runs_of_batch
+from eaclutch.records import Bench
+from eaclutch.rig.batch import extract_campaign, join_batches
 from eaclutch.rig.campaign import list_campaign, open_campaign
 from eaclutch.rig.capacitance import left_out, read_capacitance
 from eaclutch.rig.gap import gap_table
 from eaclutch.rig.load_cell import read_bursts
+from eaclutch.rig.logs import read_log
 from eaclutch.rig.spectra import read_spectra
 from eaclutch.rig.table import PRELOAD_EDGES, observable_infos
+from eaclutch.rig.traces import trace
 
 _FOLDER = click.Path(path_type=Path)
 _FILE = click.Path(dir_okay=False, path_type=Path)
 _campaign = click.argument("campaign", type=_FOLDER)
+_exclude = click.option(
+    "--exclude", default="{}", help="Runs to leave out besides those of campaign.yaml, JSON: {run: reason}."
+)
 _out = click.option("--out", type=_FILE, required=True, help="File to write.")
+
+
+def excluding(bench: Bench, further: str) -> Bench:
+    """The bench with the config's exclusions (JSON) besides its own."""
+    return replace(bench, exclude={**bench.exclude, **json.loads(further)})
 
 
 @click.command("check")
 @_campaign
+@click.option("--batch-size", type=int, default=24, show_default=True, help="Runs that one job extracts.")
 @_out
-def check(campaign: Path, out: Path) -> None:
-    """List a campaign with checksums (capture.json)."""
+def check(campaign: Path, batch_size: int, out: Path) -> None:
+    """List a campaign with checksums and batches (capture.json)."""
     opened = open_campaign(campaign)
-    write_json(out, list_campaign(opened) | {"capacitance_left_out": left_out(opened)})
+    listing = list_campaign(opened) | {"capacitance_left_out": left_out(opened)}
+    write_json(out, captured(opened, listing, batch_size))
+    remember_campaign(campaign, out.parent)
 
 
 @click.command("extract")
 @_campaign
-@click.option("--batch", type=int, default=0, show_default=True, help="Which batch of runs.")
-@click.option("--batches", type=int, default=1, show_default=True, help="Into how many the runs are split.")
+@click.option("--capture", type=_FILE, help="capture.json, which says what runs a batch holds.")
+@click.option(
+    "--batch", type=int, default=0, show_default=True, help="Which batch of runs; all without --capture."
+)
+@click.option("--traces", type=_FILE, help="Thumbnails of the batch's runs to write (npz).")
+@_exclude
 @_out
-def extract(campaign: Path, batch: int, batches: int, out: Path) -> None:
+def extract(
+    campaign: Path, capture: Path | None, batch: int, traces: Path | None, exclude: str, out: Path
+) -> None:
     """Extract the observables of a batch of runs."""
     opened = open_campaign(campaign)
-    write_csv(out, pd.DataFrame(extract_campaign(batch_of(opened, batch, batches), opened.bench)))
+    bench = excluding(opened.bench, exclude)
+    chosen = (
+        runs_of_batch(read_json(capture), batch) if capture else {log.settings.run for log in opened.logs}
+    )
+    logs = [log for log in opened.logs if log.settings.run in chosen]
+    write_csv(out, pd.DataFrame(extract_campaign(logs, bench)))
+    if traces:
+        found = {
+            log.settings.run: trace(read_log(log.path))
+            for log in logs
+            if log.settings.run not in bench.exclude
+        }
+        with atomic(traces) as temporary:
+            np.savez(temporary, allow_pickle=False, **found)
 
 
 @click.command("join")
@@ -49,20 +86,22 @@ def extract(campaign: Path, batch: int, batches: int, out: Path) -> None:
 @click.option("--observables", type=_FILE, required=True, help="observables.json to write.")
 @click.option("--quality", type=_FILE, required=True, help="quality.json to write.")
 @click.option(
-    "--preload-edge", "edges", type=float, multiple=True, help="Edge of a preload bin [N]; repeatable."
+    "--preload-edges", default=json.dumps(PRELOAD_EDGES), help="Edges of the preload bins [N], JSON."
 )
+@_exclude
 def join(
     campaign: Path,
     batch_files: tuple[Path, ...],
     runs: Path,
     observables: Path,
     quality: Path,
-    edges: tuple[float, ...],
+    preload_edges: str,
+    exclude: str,
 ) -> None:
     """Join batches to runs.csv, observables.json and quality.json."""
-    bench = open_campaign(campaign).bench
+    bench = excluding(open_campaign(campaign).bench, exclude)
     batches = [pd.read_csv(path) for path in batch_files]
-    table, counts = join_batches(batches, bench, edges or PRELOAD_EDGES)
+    table, counts = join_batches(batches, bench, json.loads(preload_edges))
     write_csv(runs, table)
     write_json(observables, observable_infos())
     write_json(quality, counts)

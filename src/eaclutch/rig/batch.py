@@ -8,20 +8,12 @@ from typing import Any
 
 import pandas as pd
 
-from eaclutch.records import Bench, Campaign, InputError, LogFile
+from eaclutch.records import Bench, LogFile
 from eaclutch.rig.extract import extract
 from eaclutch.rig.logs import read_log
 from eaclutch.rig.table import PRELOAD_EDGES, runs_table
 
 EXCLUDED = "excluded"
-
-
-def batch_of(campaign: Campaign, index: int, count: int) -> tuple[LogFile, ...]:
-    """The logs of batch ``index`` of ``count``: contiguous in the order of names. Raises InputError."""
-    if not 0 <= index < count:
-        raise InputError("batch", f"{index} of {count}", f"give 0 to {count - 1}")
-    total = len(campaign.logs)
-    return campaign.logs[index * total // count : (index + 1) * total // count]
 
 
 def extract_campaign(logs: Iterable[LogFile], bench: Bench) -> list[dict[str, Any]]:
