@@ -16,24 +16,36 @@ from eaclutch.records import Campaign, InputError
 _APART = ("logs", "checkpoints", ".campaign", "manifest.json")
 
 
-def captured(campaign: Campaign, listing: Mapping[str, Any], batch_size: int) -> dict[str, Any]:
-    """capture.json: the campaign's listing with a batch for every run, and the batches there are.
+def write_capture(campaign: Campaign, batch_size: int, output: Path) -> None:
+    """Write capture.json: every file of the campaign with size and SHA-256, every run with its batch.
 
-    A run's batch follows from its name alone, so that a new run changes one batch and not all.
+    A run's batch follows from its name alone, so that a new run changes one batch and not all. Where the campaign
+    lay is noted beside it, in a file that is no result.
     """
     count = max(1, -(-len(campaign.logs) // batch_size))
-    runs = [{**entry, "batch": _batch(entry["run"], count)} for entry in listing["runs"]]
-    return {**listing, "runs": runs, "batches": sorted({entry["batch"] for entry in runs})}
+    named = sorted((log.settings.run, log.path) for log in campaign.logs)
+    runs = [
+        {"run": run, "path": path.relative_to(campaign.folder).as_posix(), "batch": _batch(run, count)}
+        for run, path in named
+    ]
+    paths = [campaign.folder / "campaign.yaml", *(path for _, path in named)]
+    paths += [*campaign.capacitance_files, *campaign.permittivity_files, *campaign.load_cell_files]
+    write_json(
+        output,
+        {
+            "schema": 1,
+            "campaign": campaign.bench.name,
+            "batches": sorted({entry["batch"] for entry in runs}),
+            "files": [_entry(path, campaign.folder) for path in paths],
+            "runs": runs,
+        },
+    )
+    write_text(output.parent / ".campaign", f"{campaign.folder.resolve()}\n")
 
 
-def runs_of_batch(capture: Mapping[str, Any], batch: int) -> set[str]:
-    """Names of the runs of one batch of capture.json."""
-    return {entry["run"] for entry in capture["runs"] if entry["batch"] == batch}
-
-
-def remember_campaign(folder: Path, results: Path) -> None:
-    """Note beside the results where the campaign lay; not a result itself."""
-    write_text(results / ".campaign", f"{folder.resolve()}\n")
+def batch_runs(capture: Mapping[str, Any], batch: int) -> dict[str, str]:
+    """The runs of one batch and their paths below the campaign's folder."""
+    return {entry["run"]: entry["path"] for entry in capture["runs"] if entry["batch"] == batch}
 
 
 def refuse_other_campaign(folder: str | Path, results: str | Path) -> None:
@@ -46,9 +58,10 @@ def refuse_other_campaign(folder: str | Path, results: str | Path) -> None:
         return
     if Path(before) == folder.resolve():
         return
-    for entry in capture["runs"]:
-        path = folder / entry["file"]
-        if not (path.is_file() and sha256(path) == entry["sha256"]):
+    logs = {entry["path"] for entry in capture["runs"]}
+    for entry in capture["files"]:
+        path = folder / entry["path"]
+        if entry["path"] in logs and not (path.is_file() and sha256(path) == entry["sha256"]):
             raise InputError(
                 f"{folder / 'campaign.yaml'}, name",
                 f"{results} holds the results of another campaign of this name ({before})",
@@ -65,7 +78,7 @@ def write_manifest(results: Path, config: Mapping[str, Any], output: Path) -> No
         {
             "schema": 1,
             "campaign": capture["campaign"],
-            "inputs": _inputs(capture),
+            "inputs": capture["files"],
             "config": stated,
             "seed": config["seed"],
             "versions": versions(),
@@ -88,7 +101,7 @@ def verify(results: Path, campaign: Path | None = None) -> list[str]:
             results / "manifest.json", "is no manifest", "run the campaign to its end first"
         ) from None
     found = _differences(manifest["results"], results, "result")
-    listed = {entry["file"] for entry in manifest["results"]}
+    listed = {entry["path"] for entry in manifest["results"]}
     found += [
         f"result {path.relative_to(results)} is not in the manifest"
         for path in _result_files(results)
@@ -104,7 +117,7 @@ def verify(results: Path, campaign: Path | None = None) -> list[str]:
 def _differences(entries: list[dict[str, Any]], folder: Path, kind: str) -> list[str]:
     found = []
     for entry in entries:
-        path = folder / entry["file"]
+        path = folder / entry["path"]
         if not path.is_file():
             found.append(f"{kind} {entry['path']} is missing")
         elif sha256(path) != entry["sha256"]:
@@ -123,15 +136,7 @@ def _result_files(results: Path) -> list[Path]:
 
 
 def _entry(path: Path, folder: Path) -> dict[str, Any]:
-    return {"file": path.relative_to(folder).as_posix(), "bytes": path.stat().st_size, "sha256": sha256(path)}
-
-
-def _inputs(capture: Mapping[str, Any]) -> list[dict[str, Any]]:
-    """Every file of the campaign: path below it, size, SHA-256."""
-    entries = [capture["facts"], *capture["runs"]]
-    for kind in ("capacitance", "permittivity", "load_cell"):
-        entries += capture[kind]
-    return [{key: entry[key] for key in ("file", "bytes", "sha256")} for entry in entries if entry]
+    return {"path": path.relative_to(folder).as_posix(), "bytes": path.stat().st_size, "sha256": sha256(path)}
 
 
 def _batch(run: str, batches: int) -> int:

@@ -1,4 +1,5 @@
 # Conventions of all rules: the config, path patterns, slices, seeds. Stated once, used by every stage.
+import hashlib
 import json
 import os
 import sys
@@ -85,11 +86,6 @@ CANDIDATES = [
 def seed(*labels):
     """The seed of a job, from the config's seed and what tells the job from others."""
     return job_seed(CONFIG["seed"], labels)
-
-
-def campaign_files(folder):
-    """The campaign's files in one of its folders, so that a changed one reruns what reads it."""
-    return sorted(str(path) for path in Path(CAMPAIGN, folder).glob("*") if path.is_file())
 
 
 def job_error():

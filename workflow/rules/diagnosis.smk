@@ -8,14 +8,14 @@ rule diagnosis_gap:
     output:
         results("diagnosis/gap.json"),
     log:
-        log_of("diagnosis_gap"),
+        log_of("diagnosis.gate"),
     params:
         campaign=CAMPAIGN,
         results=RESULTS,
         bench=bench(),
         settings=settings("model", "priors", "posterior", "diagnosis"),
-        seed=seed("diagnosis_gap"),
-        code=code("diagnosis.gap", effects=EFFECTS_ON),
+        seed=seed("diagnosis.gate"),
+        code=code("diagnosis.gate", effects=EFFECTS_ON),
     message:
         "diagnosis: is there a gap, and where"
     shell:
@@ -36,7 +36,7 @@ rule diagnosis_candidate:
         bench=bench(),
         settings=settings("model", "priors", "posterior", "diagnosis"),
         seed=lambda wildcards: seed("diagnosis_candidate", wildcards.candidate),
-        code=lambda wildcards: code("diagnosis.attribute", effects=[*EFFECTS_ON, wildcards.candidate]),
+        code=lambda wildcards: code("diagnosis.weigh", effects=[*EFFECTS_ON, wildcards.candidate]),
     group:
         "candidates"
     message:
@@ -60,7 +60,7 @@ rule diagnosis:
         bench=bench(),
         settings=settings("model", "priors", "posterior", "diagnosis"),
         seed=seed("diagnosis"),
-        code=code("diagnosis.diagnose", effects=[*EFFECTS_ON, *CANDIDATES]),
+        code=code("diagnosis.conclude", effects=[*EFFECTS_ON, *CANDIDATES]),
     message:
         "diagnosis: the verdict"
     shell:

@@ -1,116 +1,85 @@
 # From recordings to numbers with uncertainties: a job a batch of runs, then one table; and the benches beside the rig.
 
 
-def captured_runs():
-    """capture.json, once it is there."""
-    return json.loads(Path(checkpoints.capture.get().output[0]).read_text(encoding="utf-8"))
+def all_batches(*patterns):
+    """The patterns for every batch that was captured."""
+    return lambda wildcards: expand([results(pattern) for pattern in patterns], batch=captured()["batches"])
 
 
-def runs_of(wildcards):
-    """The entries of a batch's runs."""
-    return [entry for entry in captured_runs()["runs"] if entry["batch"] == int(wildcards.batch)]
+def runs_of(batch):
+    """Names of the runs of a batch."""
+    return {entry["run"] for entry in captured()["runs"] if entry["batch"] == int(batch)}
 
 
-def all_batches(pattern):
-    """``pattern`` for every batch that was captured."""
-    return lambda wildcards: expand(results(pattern), batch=captured_runs()["batches"])
-
-
-def exclusions(wildcards):
-    """Reasons of the batch's runs that are left out, so that dropping a run reruns its own batch only."""
-    left_out = {**BENCH.exclude, **CONFIG["observables"]["exclude"]}
-    return json.dumps({e["run"]: left_out[e["run"]] for e in runs_of(wildcards) if e["run"] in left_out}, sort_keys=True)
+def exclusions(batch):
+    """campaign.yaml's reasons for leaving out runs of the batch, so that dropping a run reruns its batch only."""
+    return json.dumps({run: BENCH.exclude[run] for run in sorted(runs_of(batch)) if run in BENCH.exclude})
 
 
 rule observables:
     input:
-        logs=lambda wildcards: [f"{CAMPAIGN}/{entry['file']}" for entry in runs_of(wildcards)],
-        capture=ancient(results("capture.json")),
+        capture=capture_file,
     output:
         runs=results("observables/batch_{batch}.csv"),
+        published=results("observables/published_{batch}.csv"),
         traces=results("observables/traces_{batch}.npz"),
     log:
         log_of("observables", "batch_{batch}"),
     params:
         campaign=CAMPAIGN,
-        exclude=exclusions,
+        content=lambda wildcards: content(runs=runs_of(wildcards.batch)),
+        exclude=lambda wildcards: exclusions(wildcards.batch),
         bench=bench("substrates", "friction", "load_cell", "drive", "stage_speed", "pad", "film_density"),
-        code=code("rig.batch", "rig.traces"),
+        code=code("rig.batch", "cli.rig"),
     group:
         "observables"
     message:
         "observables: batch {wildcards.batch}"
     shell:
-        "eaclutch --log {log} extract {params.campaign:q} --capture {input.capture:q} --batch {wildcards.batch}"
-        " --exclude {params.exclude:q} --traces {output.traces:q} --out {output.runs:q}"
+        "eaclutch --log {log} observables --campaign {params.campaign:q} --capture {input.capture:q}"
+        " --batch {wildcards.batch} --output {output.runs:q} --published {output.published:q} --traces {output.traces:q}"
 
 
 rule runs:
     input:
-        all_batches("observables/batch_{batch}.csv"),
+        all_batches("observables/batch_{batch}.csv", "observables/published_{batch}.csv"),
     output:
         runs=results("runs.csv"),
-        observables=results("observables.json"),
+        published=results("runs_published.csv"),
+        definitions=results("observables.json"),
         quality=results("quality.json"),
     log:
         log_of("runs"),
     params:
         campaign=CAMPAIGN,
         bench=bench(),
-        preload_edges=json.dumps(CONFIG["observables"]["preload_bin_edges_n"]),
-        exclude=json.dumps(CONFIG["observables"]["exclude"], sort_keys=True),
-        code=code("rig.batch"),
+        settings=settings("observables.preload_bin_edges_n", "observables.exclude"),
+        code=code("rig.batch", "cli.rig"),
     message:
         "runs: one table of all runs, with sessions, conditions and exclusions"
     shell:
-        "eaclutch --log {log} join {params.campaign:q} --runs {output.runs:q} --observables {output.observables:q}"
-        " --quality {output.quality:q} --preload-edges {params.preload_edges:q} --exclude {params.exclude:q} {input:q}"
+        "eaclutch --log {log} runs --campaign {params.campaign:q} --settings {params.settings:q}"
+        " --output {output.runs:q} --published {output.published:q} --definitions {output.definitions:q}"
+        " --quality {output.quality:q} {input:q}"
 
 
 rule gap:
     input:
-        campaign_files("capacitance"),
+        capture=capture_file,
     output:
-        results("gap.csv"),
+        gap=results("gap.csv"),
+        spectra=results("spectra.csv"),
+        bursts=results("bursts.csv"),
     log:
         log_of("gap"),
     params:
         campaign=CAMPAIGN,
+        content=lambda wildcards: content("capacitance", "permittivity", "load_cell"),
         bench=bench("pad", "fixture", "substrates"),
-        code=code("rig.gap", "rig.capacitance"),
+        settings=settings("posterior.capacitance_widths_mm", "posterior.capacitance_force_max_n"),
+        code=code("rig.gap", "rig.capacitance", "rig.spectra", "rig.load_cell", "cli.rig"),
     message:
-        "gap: capacitance readings as gaps"
+        "gap: capacitance readings as gaps, permittivity spectra, free swings of the load cell"
     shell:
-        "eaclutch --log {log} gap {params.campaign:q} --out {output:q}"
-
-
-rule spectra:
-    input:
-        campaign_files("permittivity"),
-    output:
-        results("spectra.csv"),
-    log:
-        log_of("spectra"),
-    params:
-        campaign=CAMPAIGN,
-        code=code("rig.spectra"),
-    message:
-        "spectra: permittivity of the film, all sources"
-    shell:
-        "eaclutch --log {log} spectra {params.campaign:q} --out {output:q}"
-
-
-rule bursts:
-    input:
-        campaign_files("load_cell"),
-    output:
-        results("bursts.csv"),
-    log:
-        log_of("bursts"),
-    params:
-        campaign=CAMPAIGN,
-        code=code("rig.load_cell"),
-    message:
-        "bursts: free swings of the load cell"
-    shell:
-        "eaclutch --log {log} bursts {params.campaign:q} --out {output:q}"
+        "eaclutch --log {log} gap --campaign {params.campaign:q} --settings {params.settings:q}"
+        " --gap {output.gap:q} --spectra {output.spectra:q} --bursts {output.bursts:q}"

@@ -27,7 +27,7 @@ STAGE_BENCH = {
 rule posterior:
     input:
         results=lambda wildcards: STAGE_INPUTS[wildcards.stage],
-        files=lambda wildcards: [file for folder in STAGE_FOLDERS[wildcards.stage] for file in campaign_files(folder)],
+        capture=capture_file,
     output:
         draws=results("posterior/{stage}.nc"),
         gate=results("posterior/{stage}.gate.json"),
@@ -36,13 +36,14 @@ rule posterior:
     params:
         campaign=CAMPAIGN,
         results=RESULTS,
+        content=lambda wildcards: content(*STAGE_FOLDERS[wildcards.stage]),
         bench=lambda wildcards: bench(*STAGE_BENCH[wildcards.stage]),
         settings=lambda wildcards: settings(
             *(["model", "posterior"] if wildcards.stage == "force" else ["posterior"]),
             priors=STAGE_PARAMETERS[wildcards.stage],
         ),
         seed=lambda wildcards: seed("posterior", wildcards.stage),
-        code=lambda wildcards: code("inference.posterior", effects=EFFECTS_ON),
+        code=lambda wildcards: code("inference.sampling", effects=EFFECTS_ON),
     message:
         "posterior: sample {wildcards.stage}"
     shell:

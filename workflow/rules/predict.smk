@@ -17,7 +17,7 @@ rule predict:
         bench=bench(),
         settings=settings("model", "priors", "predict", "diagnosis.folds"),
         seed=seed("predict"),
-        code=code("inference.prediction", effects=EFFECTS_ON),
+        code=code("physics.laws", effects=EFFECTS_ON),
     message:
         "predict: every run, from joint posterior draws"
     shell:

@@ -7,6 +7,7 @@ rule report:
         runs=results("runs.csv"),
         definitions=results("observables.json"),
         quality=results("quality.json"),
+        published=results("runs_published.csv"),
         gap=results("gap.csv"),
         bursts=results("bursts.csv"),
         spectra=results("spectra.csv"),
@@ -24,7 +25,7 @@ rule report:
         results=RESULTS,
         config=json.dumps(CONFIG, sort_keys=True),
         bench=bench(),
-        code=code("reporting.page"),
+        code=code("cli.reporting"),
     message:
         "report: one page"
     shell:
