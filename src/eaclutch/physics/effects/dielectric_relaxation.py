@@ -5,23 +5,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
 from eaclutch.physics.effect import STRENGTH, Effect, Inputs
+from eaclutch.physics.laws import permittivity
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
-
-
-def permittivity_real(frequency, kappa_static, kappa_infinity, relaxation_time, exponent):
-    """Real part of the Cole-Cole permittivity at ``frequency`` [Hz]; all arguments broadcast."""
-    spread = (2j * np.pi * np.asarray(frequency) * relaxation_time) ** exponent
-    return kappa_infinity + (kappa_static - kappa_infinity) * (1.0 / (1.0 + spread)).real
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """kappa while driven is Re kappa(f), then Mittag-Leffler; ``strength`` scales both (0: kappa_s)."""
     p = inputs.parameters
-    kappa = permittivity_real(
+    kappa = permittivity(
         inputs.conditions.frequency,
         p["kappa_static"],
         p["kappa_infinity"],

@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from scipy.constants import g as STANDARD_GRAVITY
-
 from eaclutch.physics.effect import STRENGTH, Effect, Inputs
+from eaclutch.physics.laws import GRAVITY
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """F_N gains m_d g times ``strength``."""
-    return sockets.with_(film_weight=values["strength"] * inputs.film_mass * STANDARD_GRAVITY)
+    return sockets.with_(film_weight=values["strength"] * inputs.film_mass * GRAVITY)
 
 
 EFFECT = Effect(

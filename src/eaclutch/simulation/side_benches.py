@@ -1,0 +1,115 @@
+"""Simulated recordings of the other benches: capacitance against force, permittivity, load-cell bursts."""
+
+from __future__ import annotations
+
+import lzma
+from collections.abc import Mapping
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from eaclutch.files import atomic, write_csv
+from eaclutch.physics.model import ClutchModel
+from eaclutch.simulation.drive_signal import clock
+from eaclutch.simulation.noise import BenchNoise, counts
+from eaclutch.simulation.plan import SideBenches
+
+TRIAL_SCATTER = 0.06  # sd of the log of the contact stiffness from trial to trial
+READING_NOISE = 0.15e-12  # F
+SOURCE_SCATTER = 0.03  # sd of the log of a source's permittivity
+POINT_SCATTER = 0.01  # sd of the log of a point of a spectrum
+BURSTS = 10
+BURST_FORCE = 0.07  # N
+BURST_PAUSE = 0.5  # s
+STAGE_SPEEDS = (6.0, 8.0, 10.0)  # mm/s
+
+
+def write_capacitance(
+    folder: Path,
+    model: ClutchModel,
+    parameters: Mapping[str, float],
+    side: SideBenches,
+    rng: np.random.Generator,
+) -> None:
+    """``capacitance/readings.csv``: force_n, capacitance_pf, width_mm, trial."""
+    rows = []
+    for width in side.capacitance_widths:
+        for trial in range(1, side.capacitance_trials + 1):
+            scatter = np.exp(TRIAL_SCATTER * rng.standard_normal())
+            own = {**parameters, "contact_stiffness": parameters["contact_stiffness"] * scatter}
+            force = np.sort(rng.uniform(*side.capacitance_force, side.capacitance_readings))
+            farad = model.capacitance(force, np.full(len(force), width), own)[0]
+            farad = farad + READING_NOISE * rng.standard_normal(len(force))
+            rows += [
+                (round(f, 4), round(c * 1e12, 3), round(width * 1e3, 3), f"w{width * 1e3:g}_{trial}")
+                for f, c in zip(force.tolist(), farad.tolist(), strict=True)
+            ]
+    if rows:
+        table = pd.DataFrame(rows, columns=["force_n", "capacitance_pf", "width_mm", "trial"])
+        write_csv(folder / "capacitance" / "readings.csv", table)
+
+
+def write_permittivity(
+    folder: Path,
+    model: ClutchModel,
+    parameters: Mapping[str, float],
+    side: SideBenches,
+    rng: np.random.Generator,
+) -> None:
+    """``permittivity/source_<i>.csv``: frequency_hz, relative_permittivity."""
+    for source in range(1, side.permittivity_sources + 1):
+        frequency = np.geomspace(*side.permittivity_frequency, side.permittivity_points)
+        kappa = model.permittivity(frequency, parameters)[0]
+        scatter = SOURCE_SCATTER * rng.standard_normal() + POINT_SCATTER * rng.standard_normal(len(frequency))
+        table = pd.DataFrame({"frequency_hz": frequency, "relative_permittivity": kappa * np.exp(scatter)})
+        write_csv(folder / "permittivity" / f"source_{source}.csv", table)
+
+
+def write_load_cell(
+    folder: Path,
+    parameters: Mapping[str, float],
+    side: SideBenches,
+    first: datetime,
+    noise: BenchNoise,
+    rng: np.random.Generator,
+) -> None:
+    """``load_cell/<stamp>_calibrate_loadcell_damper_dx=<mm>_speed=<mm/s>mms.csv.xz``: the bare cell, shaken."""
+    for number in range(side.load_cell_logs):
+        speed = STAGE_SPEEDS[number % len(STAGE_SPEEDS)]
+        stamp = (first - timedelta(minutes=10 * (side.load_cell_logs - number))).strftime("%Y%m%d_%H_%M_%S")
+        move = 0.1 / speed
+        time, force, forward = bursts(parameters, move, noise, rng)
+        lines = ["Time,Load Cell,Moving Forward"]
+        lines += [
+            f"{t!r},{round(f, 8)!r},{d!r}"
+            for t, f, d in zip(np.round(time * 1e6).tolist(), force.tolist(), forward.tolist(), strict=True)
+        ]
+        name = f"{stamp}_calibrate_loadcell_damper_dx=0.1_speed={speed:g}mms.csv.xz"
+        with atomic(folder / "load_cell" / name) as temporary:
+            temporary.write_bytes(lzma.compress(("\n".join(lines) + "\n").encode(), preset=1))
+
+
+def bursts(
+    parameters: Mapping[str, float], move: float, noise: BenchNoise, rng: np.random.Generator
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Time [s], force [N], direction (1 forward), each (samples,): ten starts and stops of the bare stage.
+
+    ``move`` [s] is how long the stage moves each time; a stop rings twice as much as a start.
+    """
+    k, m, b = (parameters[name] for name in ("stiffness", "mass", "damping"))
+    decay, swing = b / (2 * m), np.sqrt(k / m - (b / (2 * m)) ** 2)
+    period = move + BURST_PAUSE
+    time = clock(BURSTS * period, 78.125e-6, rng)
+    force = noise.white * rng.standard_normal(len(time))
+    forward = np.zeros(len(time))
+    for number in range(BURSTS):
+        sign = 1.0 if number % 2 == 0 else -1.0
+        forward[(time >= number * period) & (time < (number + 1) * period)] = float(number % 2 == 0)
+        for start, share in ((number * period, 0.5), (number * period + move, -1.0)):
+            since = time - start
+            amplitude = BURST_FORCE * rng.uniform(0.85, 1.1) * share * sign
+            ring = amplitude * np.exp(-decay * since) * np.sin(swing * since)
+            force += np.where(since >= 0, np.where(since < 0.2, ring, 0.0), 0.0)
+    return time, counts(force, noise.force_count), forward

@@ -1,0 +1,146 @@
+"""Each effect at values off its defaults, against numbers worked out by hand (a pocket calculator, not the code).
+
+The four runs of conftest: 300 V 1 kHz 2 mm 0.2 N | 300 V DC | 150 V 10 Hz 4 mm 0.5 N, second session | no voltage.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from eaclutch.physics.effects import EFFECTS
+from eaclutch.physics.sockets import Sockets
+
+CASES = {
+    # t_i = 1 / 100 s; t_h = 0.5 ms, 3 s (the whole drive), 50 ms, 0.5 ms: 0.4 times 1/21, 300/301, 5/6, 1/21
+    "trapped_charge": (
+        {"residual_fraction": 0.4, "corner_frequency": 50.0, "decay_time": 0.05},
+        {"residual_fraction": [0.01904762, 0.39867110, 0.33333333, 0.01904762], "residual_decay_time": 0.05},
+    ),
+    "edge_wrap": (
+        {"friction_per_preload": 0.5, "damping_per_preload": 2.0},
+        {
+            "side_friction": [0.1, 0.1, 0.25, 0.1],
+            "side_friction_static": [0.12207792, 0.12207792, 0.30519481, 0.12207792],
+            "side_damping": [0.4, 0.4, 1.0, 0.4],
+        },
+    ),
+    # 150 V over 24 um: 6.25 MV/m; 75 V: 3.125 MV/m
+    "permittivity_saturation": (
+        {"coefficient": 2e-14},
+        {"saturation_ratio": [0.78125, 0.78125, 0.1953125, 0.0]},
+    ),
+    "electrostriction": (
+        {"coefficient": 3e-15},
+        {"thinning_ratio": [0.1171875, 0.1171875, 0.029296875, 0.0]},
+    ),
+    "series_compliance": ({"compliance": 1e-5}, {"series_compliance": 1e-5}),
+    "substrate_inertia": ({"participation": 0.7}, {"added_mass": [2.8e-3, 2.8e-3, 5.6e-3, 2.8e-3]}),
+    "stray_capacitance": ({"capacitance": 5e-12}, {"stray_capacitance": 5e-12}),
+    "trigger_latency": ({"delay": 2e-4}, {"drive_delay": 2e-4}),
+    "slow_drive": (
+        {"resistance": 1e6},
+        {
+            "rise_time_constant": [35e-6, 35e-6, 70e-6, 35e-6],
+            "fall_time_constant": [35e-6, 35e-6, 70e-6, 35e-6],
+        },
+    ),
+    # sqrt(2^2 + 3^2) / sqrt(12) um and, 4 mm wide, sqrt(4^2 + 3^2) / sqrt(12) um
+    "gap_tilt": (
+        {"angle": 1e-3, "lift": 3e-6},
+        {"gap_spread_sd": [1.04083300e-6, 1.04083300e-6, 1.44337567e-6, 1.04083300e-6]},
+    ),
+    "surface_adhesion": ({"pressure": 1e5}, {"adhesion_force": [11.1, 11.1, 22.2, 11.1]}),
+    # a ramp of 4 N / (9.009 N/s) = 0.44400 s; rests of half of it plus 0.5 ms, 0 and 50 ms
+    "contact_aging": (
+        {"rate": 0.05, "onset_time": 0.1},
+        {
+            "static_factor_ramp": 1.08468895,
+            "static_factor_release": [1.05854669, 1.05846911, 1.06568620, 1.05846911],
+        },
+    ),
+    "velocity_weakening": (
+        {"depth": 0.3, "speed": 0.05},
+        {"weakening_depth": 0.3, "weakening_speed": 0.05},
+    ),
+    "gas_slip": ({"mean_free_path": 1e-6}, {"slip_length": 1e-6}),
+    "film_tension": (
+        {"stiffness": 1e7, "preload_share": 0.2},
+        {"film_spring": 5.55e5, "preload_carried": 0.2},
+    ),
+    # exp(0.75 * 0.2) on the force, exp(0.25 * 0.2) on friction, in the second session only
+    "session_drift": (
+        {"offset_1": 0.2, "offset_2": -0.9, "friction_share": 0.25},
+        {
+            "force_factor": [1.0, 1.0, 1.16183424, 1.16183424],
+            "friction_factor": [1.0, 1.0, 1.05127110, 1.05127110],
+        },
+    ),
+    # t_10-90 / ln 9, half of it at half strength
+    "drive_rise_fall": (
+        {"strength": 0.5},
+        {"rise_time_constant": 0.5 * 3.77749278e-6, "fall_time_constant": 0.5 * 2.36662198e-6},
+    ),
+    # real form: 4 + 50.2 (1 + s c) / (1 + 2 s c + s^2), s = (w tau)^0.562, c = cos(0.562 pi / 2)
+    "dielectric_relaxation": (
+        {"strength": 1.0},
+        {"kappa_driven": [50.8352735, 54.1813288, 53.9510635, 50.8352735], "relaxing": 1.0},
+    ),
+    "air_gap": ({"strength": 0.25}, {"gap_in_force": 0.25}),
+    "surface_roughness": ({"strength": 0.25}, {"roughness_in_force": 0.25}),
+    "squeeze_film": ({"strength": 0.25}, {"damping_factor": 0.25}),
+    "film_weight": ({"strength": 0.5}, {"film_weight": [2.30535e-5, 2.30535e-5, 4.6107e-5, 2.30535e-5]}),
+    "load_cell_dynamics": ({"strength": 0.5}, {"load_cell_dynamic": 1.0}),
+}
+
+
+def test_every_effect_has_worked_numbers():
+    assert set(CASES) == set(EFFECTS)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_law(name: str, fill):
+    values, expected = CASES[name]
+    filled = fill(name, **values)
+    for socket, numbers in expected.items():
+        found = np.broadcast_to(getattr(filled, socket), (4,))
+        np.testing.assert_allclose(found, np.broadcast_to(numbers, (4,)), rtol=2e-6, err_msg=socket)
+
+
+def test_slow_drive_adds_to_the_drive_that_is_there(fill):
+    filled = fill(
+        "slow_drive", sockets=Sockets(rise_time_constant=4e-6, fall_time_constant=2e-6), resistance=1e5
+    )
+    np.testing.assert_allclose(filled.rise_time_constant, [7.5e-6, 7.5e-6, 11e-6, 7.5e-6])
+    np.testing.assert_allclose(filled.fall_time_constant, [5.5e-6, 5.5e-6, 9e-6, 5.5e-6])
+
+
+def test_gap_tilt_adds_in_quadrature(fill):
+    filled = fill("gap_tilt", sockets=Sockets(gap_spread_sd=3e-6), angle=4e-6 * np.sqrt(12.0) / 2e-3)
+    np.testing.assert_allclose(np.asarray(filled.gap_spread_sd)[0], 5e-6)
+
+
+def test_electrostriction_stops_at_half_the_film(fill, inputs):
+    high = np.array([3000.0, 300.0, 150.0, 0.0])
+    object.__setattr__(inputs.conditions, "voltage", high)
+    filled = fill("electrostriction", coefficient=1.2e-14)
+    np.testing.assert_allclose(filled.thinning_ratio, [0.5, 0.46875, 0.1171875, 0.0])
+
+
+def test_a_parallel_plate_has_the_whole_voltage_over_the_film(fill, inputs):
+    from dataclasses import replace
+
+    plate = replace(inputs, bench=replace(inputs.bench, pad=replace(inputs.bench.pad, type="parallel_plate")))
+    np.testing.assert_allclose(plate.film_field, 2.0 * np.asarray(inputs.film_field))
+
+
+def test_trapped_charge_is_a_low_pass_of_the_drive(fill):
+    """Above one over the drive the filled share is 1 / (1 + f / f_c): half at the corner."""
+    at_corner = fill("trapped_charge", residual_fraction=0.6, corner_frequency=10.0)
+    np.testing.assert_allclose(np.asarray(at_corner.residual_fraction)[2], 0.3)
+
+
+def test_sessions_beyond_the_last_offset_share_it(fill, inputs):
+    object.__setattr__(inputs, "session_index", np.array([0, 6, 7, 12]))
+    filled = fill("session_drift", offset_6=0.1, offset_7=0.3, friction_share=0.0)
+    np.testing.assert_allclose(filled.force_factor, np.exp([0.0, 0.1, 0.3, 0.3]))
