@@ -1,0 +1,90 @@
+"""Batches of simulations in parallel: one ``Row`` in, one line of results out."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit, prange
+
+from eaclutch.physics.kernels.engagement import engagement_time
+from eaclutch.physics.kernels.ramp import driven_run
+from eaclutch.physics.kernels.release import crossing, final_force, release
+from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, PULL_IN, TIMED_OUT, driven_gap, rest_before
+from eaclutch.physics.kernels.tip import COLUMNS, SEGMENTS
+
+# Columns of the results.
+RESULTS = (
+    "preload", "gap_before", "gap_driven", "capacity", "switch_off", "slip_fraction", "ramp", "ramp_early",
+    "ramp_late", "engagement", "release_10", "release_50", "release_90", "final",
+)  # fmt: skip
+STATUSES = ("capacity", "engagement", "release")
+
+
+@njit(cache=True)
+def steady(p, tables, out, status):
+    """Fill the results that need no time stepping; True if there is an equilibrium with voltage."""
+    preload, gap_before = rest_before(p, tables)
+    out[0], out[1] = preload, gap_before
+    kind, gap = driven_gap(p, preload, gap_before, tables)
+    out[2] = gap
+    if kind == PULL_IN:
+        status[:] = PULL_IN
+        return False
+    status[0], out[3], out[4], out[5], out[6], out[7], out[8] = driven_run(p, gap, gap_before, tables)
+    return True
+
+
+@njit(cache=True)
+def simulate(p, tables, engage, releasing, fraction, tolerance, segments, out, status):
+    """One simulation; ``engage``, ``releasing`` say which of the two dynamic parts is wanted."""
+    out[:] = math.nan
+    status[:] = OK
+    if not steady(p, tables, out, status):
+        return 0
+    if engage:
+        if p.voltage == 0.0:
+            status[1] = TIMED_OUT
+        else:
+            status[1], time = engagement_time(p, out[0], out[1], out[2], fraction, tolerance, tables)
+            if status[1] == OK:
+                out[9] = time + p.drive_delay
+    if not releasing:
+        return 0
+    kind, n, rest_time, rest_force = release(p, out[0], out[1], out[2], out[4], tolerance, tables, segments)
+    status[2] = kind
+    final = final_force(segments, n, rest_time, rest_force, out[4]) if kind != TIMED_OUT else math.nan
+    out[13] = final
+    if kind != OK:
+        return n
+    way = out[4] - final
+    if way <= 0.0:
+        status[2] = NEVER_SLIPS
+        return n
+    out[10] = crossing(segments, n, out[4] - 0.1 * way) + p.drive_delay
+    out[11] = crossing(segments, n, out[4] - 0.5 * way) + p.drive_delay
+    out[12] = crossing(segments, n, out[4] - 0.9 * way) + p.drive_delay
+    if math.isnan(out[12]):
+        status[2] = TIMED_OUT
+    return n
+
+
+@njit(cache=True, parallel=True)
+def simulate_batch(rows, tables, engage, releasing, fraction, tolerance, out, statuses):
+    """``rows`` (n,) of Row -> ``out`` (n, results), ``statuses`` (n, 3)."""
+    blocks = 64
+    for block in prange(blocks):
+        segments = np.empty((SEGMENTS, COLUMNS))
+        for i in range(block, len(rows), blocks):
+            simulate(rows[i], tables, engage, releasing, fraction, tolerance, segments, out[i], statuses[i])
+
+
+@njit(cache=True)
+def trace(p, tables, tolerance, segments):
+    """(status, segments used, force at switch-off, force at rest) of one release, for its history."""
+    out, status = np.empty(len(RESULTS)), np.empty(3, dtype=np.int64)
+    out[:] = math.nan
+    if not steady(p, tables, out, status):
+        return PULL_IN, 0, math.nan, math.nan
+    kind, n, _, rest = release(p, out[0], out[1], out[2], out[4], tolerance, tables, segments)
+    return kind, n, out[4], rest

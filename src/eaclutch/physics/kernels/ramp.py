@@ -1,0 +1,90 @@
+"""The driven part of a run: the climb to the static capacity, stick-slip, the state at switch-off."""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+from eaclutch.physics.kernels.forces import adhesion, contact, driven_force
+from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, frictions
+
+
+@njit(cache=True)
+def train_stiffness(p):
+    """Stiffness [N/m] of load cell and series compliance while the tip pushes."""
+    return p.stiffness / (1.0 + p.stiffness * p.series_compliance)
+
+
+@njit(cache=True)
+def driven_friction(p, gap, gap_before, tables):
+    """(static, kinetic) friction [N] at rest with the voltage on, kinetic at the mean speed of a slip."""
+    lift, _ = contact(p, gap, tables)
+    pull, _ = adhesion(p, gap)
+    force, _ = driven_force(p, gap, tables)
+    normal_base = p.substrate_weight + lift - force - pull
+    static, kinetic = frictions(p, normal_base, lift, p.static_factor_ramp, 0.0)
+    if p.weakening_depth != 0.0:
+        k = train_stiffness(p)
+        omega = math.sqrt(k / (p.mass + p.added_mass))
+        for _ in range(4):
+            speed = 2.0 / math.pi * max(static - kinetic, 0.0) / k * omega
+            _, kinetic = frictions(p, normal_base, lift, p.static_factor_ramp, speed)
+    return static, kinetic
+
+
+@njit(cache=True)
+def slip_bottom(p, static, kinetic):
+    """Force [N] at which a slip ends: it overshoots the kinetic friction by the load cell's own damping."""
+    k, mass = train_stiffness(p), p.mass + p.added_mass
+    damping = (p.load_cell_damping + p.side_damping) / (2.0 * math.sqrt(k * mass))
+    if p.load_cell_dynamic == 0.0 or damping >= 1.0:
+        return min(kinetic, static)
+    overshoot = math.exp(-math.pi * damping / math.sqrt(1.0 - damping * damping))
+    return max(min(kinetic - overshoot * (static - kinetic), static), 0.0)
+
+
+@njit(cache=True)
+def ramp_slope(start, top, bottom, rate, t0, t1):
+    """Least-squares slope [N/s] over [t0, t1] of the sawtooth that climbs from ``start`` at ``rate`` to ``top``,
+    drops to ``bottom`` and climbs again."""
+    middle, sum_ft = 0.5 * (t0 + t1), 0.0
+    begin, level = 0.0, start
+    fall = max(top - bottom, 1e-3 * top)
+    while begin < t1:
+        end = begin + max(top - level, 0.0) / rate
+        a, b = max(begin, t0), min(end, t1)
+        if b > a:  # integral of (level + rate (t - begin)) (t - middle)
+            u, v = a - middle, b - middle
+            intercept = level + rate * (middle - begin)
+            sum_ft += intercept * 0.5 * (v * v - u * u) + rate * (v * v * v - u * u * u) / 3.0
+        begin, level = end, top - fall
+    return 12.0 * sum_ft / (t1 - t0) ** 3
+
+
+@njit(cache=True)
+def driven_run(p, gap, gap_before, tables):
+    """(status, largest force, force at switch-off, slip fraction, (ramp, early, late) slopes) [N, N, 1, N/s].
+
+    The force climbs from the friction before. Where the measured force at switch-off is not given the model's is
+    used: on the ramp while it has not slipped, after that bottom + slip_phase (top - bottom): the static
+    capacity scatters by a few percent from slip to slip, so the phase of the sawtooth is lost after the first slips.
+    """
+    static, kinetic = driven_friction(p, gap, gap_before, tables)
+    bottom = slip_bottom(p, static, kinetic)
+    rate = train_stiffness(p) * p.stage_speed
+    start = p.friction_before
+    reach = start + rate * max(p.drive_duration - p.dwell, 0.0)
+    status = OK
+    if reach < static:
+        status = NEVER_SLIPS
+        largest, switch_off = reach, reach
+    else:
+        largest = max(static, start)
+        switch_off = bottom + p.slip_phase * (static - bottom)
+    if not math.isnan(p.switch_off_force):
+        switch_off = p.switch_off_force
+    ramp = ramp_slope(start, static, bottom, rate, 2e-3, 20e-3)
+    early = ramp_slope(start, static, bottom, rate, 0.5e-3, 5e-3)
+    late = ramp_slope(start, static, bottom, rate, 50e-3, 200e-3)
+    return status, largest, switch_off, (static - bottom) / static, ramp, early, late

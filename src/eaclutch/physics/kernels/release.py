@@ -1,0 +1,174 @@
+"""Release: film and tip after switch-off, until the tip rests for good."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numba import njit
+
+from eaclutch.physics.kernels.film import equilibrium, net_force_slopes, next_step, rodas_step
+from eaclutch.physics.kernels.forces import RELEASING, contact, electroadhesion
+from eaclutch.physics.kernels.ramp import train_stiffness
+from eaclutch.physics.kernels.slide import COUNT, MODE, X, advance, follow
+from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, TIMED_OUT
+from eaclutch.physics.kernels.tip import FREE, STUCK, oscillate, root_of_x
+
+END = 0.11  # s after switch-off: the end of the window that says where the force comes to rest
+WINDOW = 0.01  # s; its start
+
+
+@njit(cache=True)
+def _frictions(p, lift, normal_base):
+    """(static, kinetic) [N] at switch-off, kinetic without side friction and weakening."""
+    static = (
+        p.static_factor_release * (p.base_static * normal_base + p.film_static * lift)
+        + p.side_friction_static
+    )
+    return static, p.base_kinetic * normal_base + p.film_kinetic * lift
+
+
+@njit(cache=True)
+def _hermite(f, a, slope_a, b, slope_b, dt, scale, linear_a, linear_b):
+    """Cubic f(s) on [0, dt] = scale x Hermite(a, b) + the straight line linear_a .. linear_b."""
+    f[0] = scale * a + linear_a
+    f[1] = scale * slope_a + (linear_b - linear_a) / dt
+    f[2] = scale * (3.0 * (b - a) / dt - 2.0 * slope_a - slope_b) / dt
+    f[3] = scale * (2.0 * (a - b) / dt + slope_a + slope_b) / (dt * dt)
+
+
+@njit(cache=True)
+def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, segments):
+    """(status, segments used, time of rest, force at rest [N]) from the force ``switch_off`` [N] at t = 0.
+
+    Times count from the drive's edge (without the drive delay). The film's motion does not depend on the tip's, so
+    each film step is followed by the tip over the same span.
+    """
+    load = preload + p.film_weight
+    stiffness = train_stiffness(p)
+    state = np.empty(4)
+    state[0], state[1], state[2], state[3] = STUCK, switch_off / stiffness, 0.0, 0.0
+    kinetic, static = np.empty(4), np.empty(4)
+    lift_end, lift_slope = contact(p, gap_before, tables)
+    static_end, kinetic_end = _frictions(p, lift_end, p.substrate_weight + load)
+    static_end = max(static_end, kinetic_end + p.side_friction)
+    dynamic = p.load_cell_dynamic != 0.0
+    if switch_off <= static_end and p.residual_fraction == 0.0:
+        return NEVER_SLIPS, 0, 0.0, switch_off
+    damped = p.damping > 0.0
+    way = max(gap_before - gap_driven, 1e-9 * p.sigma)
+    t, h, v = 0.0, gap_driven, 0.0
+    fast = p.fall_time_constant if p.fall_time_constant > 0.0 else 1e-7
+    dt = 0.02 * fast
+    slopes = net_force_slopes(p, 1e-3 * dt, h, v, load, gap_before, RELEASING, tables)
+    lift, slope = contact(p, h, tables)
+    lift_rate = 0.0
+    inertia = 0.0
+    settled = False
+    for _ in range(4000):
+        if settled:
+            dt = END - t
+            new_h, new_lift, new_rate, new_inertia = h, lift, 0.0, 0.0
+            lift_rate, inertia = 0.0, 0.0
+            new_v = 0.0
+        else:
+            dt = min(dt, END - t)
+            if damped:
+                new_h, new_v, error = rodas_step(p, t, h, v, dt, slopes, load, gap_before, RELEASING, tables)
+                ratio = error / (tolerance * way)
+                if not ratio <= 1.0:
+                    dt = next_step(dt, ratio) if ratio == ratio else 0.2 * dt
+                    continue
+                slopes = net_force_slopes(p, t + dt, new_h, new_v, load, gap_before, RELEASING, tables)
+                new_inertia = slopes[0]
+            else:
+                new_h, new_v = equilibrium(p, t + dt, h, load, gap_before, RELEASING, tables)
+                ratio = (0.02 * (fast + t) / dt) ** -4 * 0.5 if dt > 0.0 else 0.0
+                new_inertia = 0.0
+            new_lift, slope = contact(p, new_h, tables)
+            new_rate = slope * new_v
+        base_a = p.substrate_weight + load + inertia - p.film_spring * (gap_before - h)
+        base_b = p.substrate_weight + load + new_inertia - p.film_spring * (gap_before - new_h)
+        _hermite(kinetic, lift, lift_rate, new_lift, new_rate, dt, p.film_kinetic,
+                 p.base_kinetic * base_a, p.base_kinetic * base_b)  # fmt: skip
+        factor = p.static_factor_release
+        _hermite(static, lift, lift_rate, new_lift, new_rate, dt, factor * p.film_static,
+                 factor * p.base_static * base_a + p.side_friction_static,
+                 factor * p.base_static * base_b + p.side_friction_static)  # fmt: skip
+        enough = (
+            advance(p, state, segments, t, dt, kinetic, static)
+            if dynamic
+            else follow(p, state, segments, t, dt, kinetic, static)
+        )
+        if not enough:
+            return TIMED_OUT, int(state[COUNT]), t, stiffness * state[X]
+        t, h, v, lift, lift_rate, inertia = t + dt, new_h, new_v, new_lift, new_rate, new_inertia
+        if t >= END * (1.0 - 1e-12):
+            break
+        if dynamic and int(state[MODE]) == STUCK and t > 0.0 and stiffness * state[X] <= static_end:
+            if int(state[COUNT]) > 0:
+                break  # friction only falls from here on: it rests for good
+        if settled and not dynamic:
+            break
+        if not settled:
+            if abs(lift - lift_end) < 1e-7 * lift_end:
+                force, _, _ = electroadhesion(p, h, t, RELEASING, tables)
+                settled = force < 1e-8 * load
+            dt = next_step(dt, ratio)
+    n = int(state[COUNT])
+    if n == 0:
+        return NEVER_SLIPS, 0, 0.0, switch_off
+    if int(state[MODE]) == FREE:
+        return OK, n, END, p.stiffness * state[X]
+    return OK, n, t, stiffness * state[X]
+
+
+@njit(cache=True)
+def force_at(segments, n, t, start):
+    """Reading [N] at t after switch-off; ``start`` before the first segment."""
+    low, high = -1, n - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if segments[middle, 0] <= t:
+            low = middle
+        else:
+            high = middle - 1
+    if low < 0:
+        return start
+    x, _ = oscillate(segments[low], min(t - segments[low, 0], segments[low, 1]))
+    return segments[low, 10] * x
+
+
+@njit(cache=True)
+def final_force(segments, n, rest_time, rest_force, start):
+    """Mean reading [N] over 10 .. 110 ms after switch-off: the rest level, or the mean of what still moves."""
+    if rest_time <= WINDOW:
+        return rest_force
+    total, t = 0.0, WINDOW
+    step = min(1e-4, 0.25 * (END - WINDOW))
+    while t < END - 1e-9:  # Simpson over steps of a fraction of the load cell's period
+        a, b = t, min(t + step, END)
+        middle = 0.5 * (a + b)
+        total += (
+            (b - a) / 6.0
+            * (force_at(segments, n, a, start) + 4.0 * force_at(segments, n, middle, start)
+               + force_at(segments, n, b, start))
+        )  # fmt: skip
+        t = b
+    return total / (END - WINDOW)
+
+
+@njit(cache=True)
+def crossing(segments, n, level):
+    """Time [s] at which the reading first falls to ``level`` [N]; NaN if it does not."""
+    for i in range(n):
+        segment = segments[i]
+        stiffness = segment[10]
+        target = level / stiffness
+        start, _ = oscillate(segment, 0.0)
+        if start <= target:
+            return segment[0]
+        end, _ = oscillate(segment, segment[1])
+        if end <= target:
+            return segment[0] + root_of_x(segment, target, 0.0, segment[1])
+    return math.nan

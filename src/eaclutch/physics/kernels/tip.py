@@ -1,0 +1,97 @@
+"""The load cell's tip between film steps: a damped oscillator with friction, solved exactly.
+
+Modes: stuck, sliding back (friction pushes forward), sliding forward, free (x <= 0: the tip cannot pull). Within a
+film step the friction is a cubic in time, so x is a damped sinusoid plus a cubic; velocity zeros and the
+contact's loss and return are located as roots of that expression. Segments are kept so that crossings of any
+force level can be found afterwards.
+"""
+
+from __future__ import annotations
+
+import math
+
+from numba import njit
+
+STUCK, BACK, FORWARD, FREE, FOLLOW = 0, 1, 2, 3, 4
+SEGMENTS, COLUMNS = 2048, 11  # t0, length, A, B, beta, omega^2, q0..q3, stiffness
+STEP_PHASE = 0.7  # rad of the oscillator a segment may last, so that no event is jumped over
+
+
+@njit(cache=True)
+def oscillate(segment, s):
+    """(x, v) at s after the segment's start."""
+    a, b, beta, omega2 = segment[2], segment[3], segment[4], segment[5]
+    if omega2 > 0.0:
+        omega = math.sqrt(omega2)
+        c, d = math.cos(omega * s), math.sin(omega * s) / omega
+    elif omega2 < 0.0:
+        omega = math.sqrt(-omega2)
+        c, d = math.cosh(omega * s), math.sinh(omega * s) / omega
+    else:
+        c, d = 1.0, s
+    decay = math.exp(-beta * s)
+    x = decay * (a * c + b * d)
+    v = decay * (b * c - omega2 * a * d) - beta * x
+    q0, q1, q2, q3 = segment[6], segment[7], segment[8], segment[9]
+    return x + q0 + s * (q1 + s * (q2 + s * q3)), v + q1 + s * (2.0 * q2 + 3.0 * s * q3)
+
+
+@njit(cache=True)
+def set_segment(segment, t0, length, x, v, mass, damping, stiffness, f0, f1, f2, f3):
+    """Fill ``segment`` with the solution of m x'' + b x' + k x = f0 + f1 s + f2 s^2 + f3 s^3 from (x, v)."""
+    beta = 0.5 * damping / mass
+    w = stiffness / mass
+    q3 = f3 / stiffness
+    q2 = (f2 / mass - 6.0 * beta * q3) / w
+    q1 = (f1 / mass - 4.0 * beta * q2 - 6.0 * q3) / w
+    q0 = (f0 / mass - 2.0 * beta * q1 - 2.0 * q2) / w
+    segment[0], segment[1], segment[4], segment[5], segment[10] = t0, length, beta, w - beta * beta, stiffness
+    segment[6], segment[7], segment[8], segment[9] = q0, q1, q2, q3
+    segment[2] = x - q0
+    segment[3] = v - q1 + beta * (x - q0)
+
+
+@njit(cache=True)
+def root_of_x(segment, target, low, high):
+    """s in [low, high] with x(s) = target; x - target changes sign over it (Newton kept in a bracket)."""
+    x_low, _ = oscillate(segment, low)
+    sign = 1.0 if x_low > target else -1.0
+    s = 0.5 * (low + high)
+    for _ in range(60):
+        x, v = oscillate(segment, s)
+        f = (x - target) * sign
+        if f > 0.0:
+            low = s
+        else:
+            high = s
+        new = s - (x - target) / v if v != 0.0 else 0.5 * (low + high)
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - s) < 1e-15 + 1e-13 * segment[1]:
+            return new
+        s = new
+    return s
+
+
+@njit(cache=True)
+def root_of_v(segment, sign, low, high):
+    """s in (low, high] at which sign v turns from negative to positive (Illinois)."""
+    _, v_high = oscillate(segment, high)
+    f_high = sign * v_high
+    _, v_low = oscillate(segment, low)
+    f_low = min(sign * v_low, -1e-300)
+    for _ in range(100):
+        s = (low * f_high - high * f_low) / (f_high - f_low)
+        if not low < s < high or s - low < 1e-3 * (high - low):
+            s = 0.5 * (low + high)
+        _, v = oscillate(segment, s)
+        f = sign * v
+        if f > 0.0:
+            high, f_high = s, f
+            f_low *= 0.5
+        else:
+            low, f_low = s, min(f, -1e-300)
+            f_high *= 0.5
+        if high - low < 1e-13 * segment[1] + 1e-16:
+            break
+    return high

@@ -1,0 +1,129 @@
+"""The base model's laws as pure functions (physics in docs/physics.md; Rauf & Follmer, doi:10.1016/j.eml.2025.102382).
+
+These are the definitions: readable, exact, slow where an integral is needed. The compiled solver evaluates the
+same laws through tables (``tables.py``), and the tests hold one against the other. All arguments broadcast.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.integrate import quad
+from scipy.special import gamma, ndtr, pbdv
+
+from eaclutch.records import FloatArray, Pad
+
+VACUUM_PERMITTIVITY = 8.8541878128e-12  # F/m
+AIR_VISCOSITY = 1.85e-5  # Pa s
+GRAVITY = 9.81  # m/s2
+
+
+def force_scale(pad: Pad, width: ArrayLike) -> FloatArray:
+    """Q [N m2 / V2] such that the flat-gap force is Q V^2 / (T_d / kappa + h)^2; ``width`` [m]."""
+    width = np.asarray(width, dtype=float)
+    if pad.type == "parallel_plate":
+        return VACUUM_PERMITTIVITY * pad.overlap_length * width / 2
+    return VACUUM_PERMITTIVITY * pad.electrodes * pad.electrode_length * width / 8
+
+
+def capacitance_scale(pad: Pad, width: ArrayLike, overlap_length: float | None = None) -> FloatArray:
+    """B [F m] such that C = B / (T_d / kappa + h). A comb is two half-combs in series (area / 4 in all);
+    for a parallel plate the overlap is the pad's, or ``overlap_length`` [m] on the capacitance fixture."""
+    width = np.asarray(width, dtype=float)
+    if pad.type == "parallel_plate":
+        length = pad.overlap_length if overlap_length is None else overlap_length
+        return VACUUM_PERMITTIVITY * length * width
+    return VACUUM_PERMITTIVITY * pad.electrodes * pad.electrode_length * width / 4
+
+
+def capacitance(
+    pad: Pad, width: ArrayLike, gap: ArrayLike, kappa: ArrayLike, thickness: ArrayLike
+) -> FloatArray:
+    """Capacitance [F] of pad and strip at a mean gap [m] (paper eq. for C(T_air))."""
+    return capacitance_scale(pad, width) / (np.asarray(thickness) / kappa + gap)
+
+
+def gap_from_capacitance(
+    pad: Pad, width: ArrayLike, capacitance: ArrayLike, kappa: ArrayLike, thickness: ArrayLike
+) -> FloatArray:
+    """Mean gap [m] from a capacitance [F]; negative where the reading exceeds the bare film's."""
+    return capacitance_scale(pad, width) / np.asarray(capacitance) - np.asarray(thickness) / kappa
+
+
+def permittivity(
+    frequency: ArrayLike, kappa_static: ArrayLike, kappa_infinity: ArrayLike, relaxation_time: ArrayLike,
+    exponent: ArrayLike,
+) -> FloatArray:  # fmt: skip
+    """Real part of the Cole-Cole permittivity (Cole & Cole 1941, doi:10.1063/1.1750906) at ``frequency`` [Hz]."""
+    spread = (2j * np.pi * np.asarray(frequency) * relaxation_time) ** exponent
+    return kappa_infinity + (np.asarray(kappa_static) - kappa_infinity) * (1.0 / (1.0 + spread)).real
+
+
+def mittag_leffler(exponent: float, y: float) -> float:
+    """E_alpha(-y^alpha) for 0 < alpha <= 1, y >= 0, by its spectral integral (Gorenflo & Mainardi 1997)."""
+    if exponent == 1.0 or y == 0.0:
+        return float(np.exp(-y))
+    sine, cosine = np.sin(np.pi * exponent), np.cos(np.pi * exponent)
+
+    def density(s: float) -> float:  # s = r^alpha takes the singularity at r = 0 away
+        return float(np.exp(-(s ** (1 / exponent)) * y) / (s * s + 2 * s * cosine + 1))
+
+    peak = max(-cosine, 0.5)
+    edges = [0.0, 0.5 * peak, peak, 2.0 * peak, 20.0]
+    parts = [quad(density, a, b, epsabs=0, epsrel=1e-12, limit=400)[0] for a, b in zip(edges, edges[1:])]
+    parts.append(quad(density, 20.0, np.inf, epsabs=1e-16, limit=400)[0])
+    return float(sine / (np.pi * exponent) * sum(parts))
+
+
+def greenwood_williamson(x: ArrayLike) -> FloatArray:
+    """G(x) = integral over s > x of (s - x)^1.5 phi(s) ds, through the parabolic cylinder function
+    D_{-5/2} (DLMF 12.5.1): valid on both sides of x = 0, G(0) = 0.430 (Greenwood & Williamson 1966)."""
+    x = np.asarray(x, dtype=float)
+    return gamma(2.5) / np.sqrt(2 * np.pi) * np.exp(-x * x / 4) * pbdv(-2.5, x)[0]
+
+
+def contact_force(
+    gap: ArrayLike, stiffness: ArrayLike, roughness: ArrayLike, length: ArrayLike, width: ArrayLike
+) -> FloatArray:
+    """F_k [N] = k L w sigma^1.5 G(h / sigma)."""
+    roughness = np.asarray(roughness, dtype=float)
+    return stiffness * np.asarray(length) * width * roughness**1.5 * greenwood_williamson(gap / roughness)
+
+
+def roughness_average(
+    gap: float, film: float, roughness: float, cut: float = 0.83, rule: str = "published"
+) -> float:
+    """Average of (T_d / kappa + tau)^-2 [m^-2] over tau ~ Normal(h, sigma^2), by quadrature.
+
+    ``film`` = T_d / kappa [m]. Rule ``published``: tau > -cut T_d / kappa, not renormalised; ``clamped``: the
+    flat-gap kernel at max(tau, 0) over all tau. Integrated in log(T_d / kappa + tau): the kernel is steep at the cut.
+    """
+    low = film * (1.0 if rule == "clamped" else 1.0 - cut)
+
+    def integrand(u: float) -> float:
+        s = np.exp(u)
+        return float(np.exp(-0.5 * ((s - film - gap) / roughness) ** 2) / s)
+
+    high = max(film + gap, low) + 12 * roughness
+    centre = min(max(film + gap, 1.0001 * low), 0.999 * high)
+    edges = np.unique(np.log([low, np.sqrt(low * centre), centre, np.sqrt(centre * high), high]))
+    total = sum(quad(integrand, a, b, epsabs=0, epsrel=1e-12, limit=400)[0] for a, b in zip(edges, edges[1:]))
+    average = total / (roughness * np.sqrt(2 * np.pi))
+    if rule == "clamped":
+        average += float(ndtr(-gap / roughness)) / film**2
+    return float(average)
+
+
+def squeeze_film_coefficient(length: ArrayLike, width: ArrayLike) -> FloatArray:
+    """c [N s m2] such that F_b = -c / h^3 dh/dt (Griffin et al. 1966, doi:10.1115/1.3645838)."""
+    short, long = np.minimum(length, width), np.maximum(length, width)
+    return 96 * AIR_VISCOSITY * short**3 * long / np.pi**4
+
+
+def base_preload(
+    friction_before: ArrayLike, film_kinetic: ArrayLike, base_kinetic: ArrayLike, substrate_mass: ArrayLike,
+    film_mass: ArrayLike,
+) -> FloatArray:  # fmt: skip
+    """F_pre [N] from the friction before the voltage (paper eq. for F_preload); may come out negative."""
+    weight = GRAVITY * (np.asarray(base_kinetic) * substrate_mass + np.asarray(film_kinetic) * film_mass)
+    return (friction_before - weight) / (np.asarray(film_kinetic) + base_kinetic)

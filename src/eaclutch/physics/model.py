@@ -1,0 +1,250 @@
+"""The clutch as a function: runs and parameters in, observables out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eaclutch.physics import laws, rows
+from eaclutch.physics.effect import Parameter
+from eaclutch.physics.effects import BASE, EFFECTS
+from eaclutch.physics.history import run_history
+from eaclutch.physics.kernels.batch import RESULTS, STATUSES, simulate_batch
+from eaclutch.physics.kernels.bench import gaps_at_loads
+from eaclutch.physics.parameters import MultiplierForm, base_parameters
+from eaclutch.physics.prediction import OBSERVABLES, PART, Prediction, Status
+from eaclutch.physics.tables import tables
+from eaclutch.records import Bench, FloatArray, InputError, RunConditions
+
+ENGAGED_FRACTION = 0.005  # of the gap's way: when the published rig can first notice the force rise
+TOLERANCE = 1e-5  # local error of the film's position over its whole displacement
+CHUNK = 32_768  # simulations at a time: rows and results of a chunk stay below 20 MB
+LEAST_FRICTION = 1e-3  # N; a measured friction before below this is taken as this
+
+
+class ClutchModel:
+    """The clutch of a bench with a set of effects switched on.
+
+    ``roughness_rule``: ``published`` (average cut at -``roughness_cut`` T_d / kappa) or ``clamped``;
+    ``force_multiplier_form``: ``none``, ``constant``, ``linear``. Raises InputError for an unknown effect.
+    """
+
+    def __init__(
+        self,
+        bench: Bench,
+        effects: Iterable[str] = BASE,
+        *,
+        roughness_rule: Literal["published", "clamped"] = "published",
+        roughness_cut: float = 0.83,
+        force_multiplier_form: MultiplierForm = "linear",
+        tolerance: float = TOLERANCE,
+    ):
+        unknown = sorted(set(effects := tuple(effects)) - set(EFFECTS))
+        if unknown:
+            raise InputError("effects", f"unknown {', '.join(unknown)}", f"known: {', '.join(EFFECTS)}")
+        if not 0.0 <= roughness_cut < 1.0:
+            raise InputError("roughness_cut", f"value {roughness_cut:g}", "it must lie within [0, 1)")
+        if roughness_rule not in ("published", "clamped"):
+            raise InputError("roughness_rule", f"value {roughness_rule}", "choose published or clamped")
+        self.bench = bench
+        self.effects = tuple(name for name in EFFECTS if name in effects)
+        self.roughness_rule, self.roughness_cut = roughness_rule, roughness_cut
+        self.force_multiplier_form: MultiplierForm = force_multiplier_form
+        self.tolerance = tolerance
+        known = base_parameters(bench, force_multiplier_form)
+        for name in self.effects:
+            for parameter in EFFECTS[name].parameters:
+                known[f"{name}.{parameter.name}"] = replace(parameter, name=f"{name}.{parameter.name}")
+        self.parameters: Mapping[str, Parameter] = known
+
+    def predict(
+        self,
+        conditions: RunConditions,
+        parameters: Mapping[str, ArrayLike] | None = None,
+        observables: Sequence[str] | None = None,
+        *,
+        on_invalid: Literal["error", "status"] = "error",
+    ) -> Prediction:
+        """Observables of every draw and run.
+
+        ``parameters``: scalars, (draws,) or (draws, runs); missing ones take their default. ``observables``: which
+        ones (None: all); parts of the simulation that none of them needs are left out. ``on_invalid``: what to do
+        with parameters outside their bounds: raise InputError, or give those simulations ``Status.invalid``.
+        """
+        wanted = OBSERVABLES if observables is None else tuple(observables)
+        for name in wanted:
+            if name not in PART:
+                raise InputError(
+                    f"observable {name}", "the model cannot predict it", f"choose of {', '.join(PART)}"
+                )
+        table, bad = self.rows(conditions, parameters or {}, on_invalid)
+        draws, runs = table.shape
+        out, status = self._simulate(table, {PART[name] for name in wanted})
+        out[bad], status[bad] = np.nan, Status.invalid
+        result = {name: out[..., i] for i, name in enumerate(RESULTS)}
+        values = {name: self._observable(name, result, table, status) for name in wanted}
+        return Prediction(
+            values=values,
+            status={name: status[..., i] for i, name in enumerate(STATUSES)},
+            state={name: result[name] for name in ("preload", "gap_before", "gap_driven")},
+        )
+
+    def rows(
+        self, conditions: RunConditions, parameters: Mapping[str, ArrayLike], on_invalid: str = "error"
+    ) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
+        """The solver's rows (draws, runs) and which of them are invalid (those hold the defaults)."""
+        runs = len(conditions)
+        values, draws = rows.broadcast_parameters(self.parameters, parameters, runs)
+        bad = np.zeros((draws, runs), dtype=bool)
+        if on_invalid == "error":
+            rows.refuse_outside(self.parameters, values)
+        else:
+            bad = rows.outside(self.parameters, values, draws, runs)
+            if bad.any():  # the formulas see bounded numbers everywhere
+                values = {n: np.where(_inside(v, self.parameters[n]), v, self.parameters[n].default)
+                          for n, v in values.items()}  # fmt: skip
+        with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
+            sockets = rows.fill_sockets(self.bench, conditions, values, self.effects)
+            clamped = self.roughness_rule == "clamped"
+            table = rows.fill_rows(self.bench, conditions, values, sockets, self.force_multiplier_form, clamped,
+                                   self.roughness_cut, draws)  # fmt: skip
+        unphysical = (
+            (table["force_scale"] <= 0) | (table["thinning_ratio"] >= 0.9) | (table["kappa_driven"] < 0.5)
+        )
+        if unphysical.any():
+            if on_invalid == "error":
+                raise InputError("parameters", "the force multiplier or the film's thickness or permittivity under "
+                                 "voltage is not positive", "choose parameters within the effects' validity")  # fmt: skip
+            bad |= unphysical
+            table["force_scale"][unphysical] = table["force_scale"][~unphysical].max(initial=1e-20)
+            table["thinning_ratio"][unphysical], table["kappa_driven"][unphysical] = 0.0, 50.0
+        return table, bad
+
+    def _simulate(self, table: NDArray[np.void], parts: set[str]) -> tuple[FloatArray, NDArray[np.int8]]:
+        flat = table.reshape(-1)
+        out = np.empty((flat.size, len(RESULTS)))
+        status = np.empty((flat.size, len(STATUSES)), dtype=np.int8)
+        for start in range(0, flat.size, CHUNK):
+            piece = slice(start, start + CHUNK)
+            simulate_batch(flat[piece], tables(), "engagement" in parts, "release" in parts, ENGAGED_FRACTION,
+                           self.tolerance, out[piece], status[piece])  # fmt: skip
+        return out.reshape(*table.shape, -1), status.reshape(*table.shape, -1)
+
+    def _observable(
+        self, name: str, result: Mapping[str, FloatArray], table: NDArray[np.void], status: NDArray[np.int8]
+    ) -> FloatArray:
+        before = table["friction_before"]
+        alive = np.where(np.isnan(result["capacity"]), np.nan, 1.0)
+        if name == "friction_before_n":
+            return before * alive
+        if name == "shear_capacity_n":
+            return result["capacity"] - before
+        if name == "switch_off_force_n":
+            return result["switch_off"]
+        if name == "start_ratio":
+            return (result["switch_off"] - result["final"]) / (result["capacity"] - result["final"])
+        if name == "slip_fraction":
+            return result["slip_fraction"]
+        if name == "hold_creep_n_s":
+            return 0.0 * alive  # the tip sticks while the stage rests
+        if name == "final_force_n":
+            return result["final"]
+        if name == "baseline_shift_n":
+            return result["final"] - before
+        if name.startswith("ringdown"):
+            free = np.where((table["load_cell_dynamic"] != 0) & (alive == 1.0), 1.0, np.nan)
+            beta = 0.5 * table["load_cell_damping"] / table["mass"]
+            omega = np.sqrt(table["stiffness"] / table["mass"])
+            if name == "ringdown_damping_ratio":
+                return free * beta / omega
+            return free * np.sqrt(np.maximum(omega**2 - beta**2, 0.0)) / (2 * np.pi)
+        column = {
+            "engagement_time_s": "engagement",
+            "ramp_rate_n_s": "ramp",
+            "ramp_rate_early_n_s": "ramp_early",
+            "ramp_rate_late_n_s": "ramp_late",
+            "release_time_10_s": "release_10",
+            "release_time_50_s": "release_50",
+            "release_time_90_s": "release_90",
+        }[name]
+        return result[column]
+
+    def permittivity(
+        self, frequency: ArrayLike, parameters: Mapping[str, ArrayLike] | None = None
+    ) -> FloatArray:
+        """Real relative permittivity (draws, points) at ``frequency`` [Hz]."""
+        values, _ = rows.broadcast_parameters(self.parameters, parameters or {}, 1)
+        rows.refuse_outside(self.parameters, values)
+        frequency = np.atleast_1d(np.asarray(frequency, dtype=float))
+        relaxed = laws.permittivity(frequency, values["kappa_static"], values["kappa_infinity"],
+                                    values["relaxation_time"], values["cole_cole_exponent"])  # fmt: skip
+        weight = values.get("dielectric_relaxation.strength", np.zeros((1, 1)))
+        if "dielectric_relaxation" in self.effects and "dielectric_relaxation.strength" not in values:
+            weight = np.ones((1, 1))
+        return values["kappa_static"] + weight * (relaxed - values["kappa_static"])
+
+    def capacitance(
+        self, force: ArrayLike, width: ArrayLike, parameters: Mapping[str, ArrayLike] | None = None
+    ) -> FloatArray:
+        """Capacitance [F] (draws, readings) on the fixture under a normal ``force`` [N] at a strip ``width`` [m],
+        at the meter's frequency, stray capacitance included."""
+        force, width = np.broadcast_arrays(np.atleast_1d(np.asarray(force, float)), np.asarray(width, float))
+        fixture = self.bench.fixture
+        conditions = _fixture_conditions(width, fixture.meter_frequency)
+        values, draws = rows.broadcast_parameters(self.parameters, parameters or {}, len(conditions))
+        rows.refuse_outside(self.parameters, values)
+        sockets = rows.fill_sockets(self.bench, conditions, values, self.effects)
+        table = rows.fill_rows(
+            self.bench, conditions, values, sockets, "none", False, self.roughness_cut, draws
+        )
+        table["contact_scale"] *= fixture.overlap_length / self.bench.pad.overlap_length
+        gap = np.empty(table.shape)
+        gaps_at_loads(
+            table.reshape(-1), np.broadcast_to(force, table.shape).ravel(), tables(), gap.reshape(-1)
+        )
+        film = table["thickness"] / table["kappa_driven"]
+        scale = laws.capacitance_scale(self.bench.pad, width, fixture.overlap_length)
+        return scale / (film + gap) + values["stray_capacitance"] + np.asarray(sockets.stray_capacitance)
+
+    def history(
+        self,
+        conditions: RunConditions,
+        run_index: int,
+        parameters: Mapping[str, ArrayLike] | None,
+        time: FloatArray,
+        *,
+        capacity_factors: FloatArray | None = None,
+    ) -> FloatArray:
+        """Noiseless reading [N] (samples,) of one whole run at ``time`` [s] from voltage on (negative before it).
+
+        One draw of parameters. ``capacity_factors`` (slips,): scatter of the static capacity from slip to slip,
+        multiplying it in turn (the last one repeats); without it every slip is alike.
+        """
+        one = conditions.select(np.array([run_index]))
+        table, _ = self.rows(one, {n: _of_run(v, run_index) for n, v in (parameters or {}).items()})
+        return run_history(table[0, 0], np.asarray(time, dtype=float), capacity_factors, self.tolerance)
+
+
+def _inside(value: FloatArray, parameter: Parameter) -> NDArray[np.bool_]:
+    low, high = parameter.bounds
+    return (value >= low) & (value <= high)
+
+
+def _of_run(value: ArrayLike, run: int) -> FloatArray:
+    array = np.asarray(value, dtype=float)
+    return array[:, run : run + 1] if array.ndim == 2 and array.shape[1] > 1 else array
+
+
+def _fixture_conditions(width: FloatArray, frequency: float) -> RunConditions:
+    n = width.size
+    zero = np.zeros(n)
+    names = ("",) * n
+    return RunConditions(
+        run=names, session=names, condition=names, substrate=names, voltage=zero, frequency=np.full(n, frequency),
+        width=np.array(width), thickness=np.full(n, 1e-3), friction_before=np.full(n, 0.1), switch_off_force=zero,
+        drive_duration=np.ones(n), dwell=zero, run_order=zero,
+    )  # fmt: skip
