@@ -3,34 +3,51 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import pandas as pd
 
-from eaclutch.records import Bench, LogFile
+from eaclutch.records import Bench, FloatArray
+from eaclutch.rig import published
 from eaclutch.rig.extract import extract
+from eaclutch.rig.log_names import run_of
 from eaclutch.rig.logs import read_log
-from eaclutch.rig.table import PRELOAD_EDGES, runs_table
+from eaclutch.rig.table import PRELOAD_EDGES, empty_row, runs_table
+from eaclutch.rig.traces import trace
 
 EXCLUDED = "excluded"
 
 
-def extract_campaign(logs: Iterable[LogFile], bench: Bench) -> list[dict[str, Any]]:
-    """One row a log (see ``extract``); a run that campaign.yaml excludes is not even read.
+@dataclass(frozen=True)
+class Batch:
+    """Rows of runs.csv (without session and condition), rows of runs_published.csv, thinned forces by run."""
+
+    runs: list[dict[str, Any]]
+    published: list[dict[str, Any]]
+    traces: dict[str, FloatArray]
+
+
+def extract_batch(paths: Iterable[Path], bench: Bench) -> Batch:
+    """Extract the logs at ``paths``; a run that the bench excludes is not even read.
 
     Raises InputError naming file and row for a log that cannot be read.
     """
-    rows = []
-    for log in logs:
-        reason = bench.exclude.get(log.settings.run)
-        if reason is None:
-            rows.append(extract(read_log(log.path), bench))
-        else:
-            rows.append(
-                {"run": log.settings.run, "flags": EXCLUDED, "reasons": f"run:{reason}", "usable": False}
-            )
-    return rows
+    batch = Batch([], [], {})
+    for path in paths:
+        run = run_of(path)
+        reason = bench.exclude.get(run)
+        if reason is not None:
+            batch.runs.append(empty_row(run) | {"flags": EXCLUDED, "reasons": f"run:{reason}"})
+            batch.published.append({"run": run, "kept": False, "reason": EXCLUDED})
+            continue
+        recording = read_log(path)
+        batch.runs.append(extract(recording, bench))
+        batch.published.append(published.published(recording))
+        batch.traces[run] = trace(recording)
+    return batch
 
 
 def join_batches(
@@ -39,20 +56,28 @@ def join_batches(
     """runs.csv and the content of quality.json (counts of flags and of reasons) from the batches' tables."""
     rows = pd.concat([batch for batch in batches if len(batch)], ignore_index=True)
     runs = runs_table(rows, bench, edges)
+    out = runs["run"].isin(bench.exclude.keys())
+    runs.loc[out, "usable"] = False
+    runs.loc[out, "flags"] = [_with(flags, EXCLUDED) for flags in runs.loc[out, "flags"]]
+    return runs, _quality(runs, {run: bench.exclude[run] for run in runs.loc[out, "run"]})
+
+
+def _with(flags: str, flag: str) -> str:
+    return ";".join(sorted({flag, *filter(None, flags.split(";"))}))
+
+
+def _quality(runs: pd.DataFrame, excluded: Mapping[str, str]) -> dict[str, Any]:
     flags = Counter(flag for text in runs["flags"] for flag in text.split(";") if flag)
-    reasons: Counter[str] = Counter()
+    unusable: dict[str, Counter[str]] = {}
     for text in runs["reasons"]:
-        reasons.update(item for item in text.split(";") if item)
-    by_observable: dict[str, dict[str, int]] = {}
-    for item, number in reasons.items():
-        name, _, reason = item.partition(":")
-        by_observable.setdefault(name, {})[reason] = number
-    quality = {
+        for item in filter(None, text.split(";")):
+            name, _, reason = item.partition(":")
+            unusable.setdefault(name, Counter())[reason] += 1
+    return {
         "schema": 1,
         "runs": len(runs),
         "usable": int(runs["usable"].sum()),
         "flags": dict(flags),
-        "unusable": by_observable,
-        "excluded": {run: reason for run, reason in bench.exclude.items() if run in set(runs["run"])},
+        "unusable": {name: dict(reasons) for name, reasons in unusable.items()},
+        "excluded": dict(excluded),
     }
-    return runs, quality

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from eaclutch.config import load_bench
-from eaclutch.files import sha256
 from eaclutch.records import Campaign, InputError, LogFile
 from eaclutch.rig.log_names import EXTENSIONS, parse_log_name
 
@@ -40,33 +38,6 @@ def open_campaign(folder: Path | str) -> Campaign:
         permittivity_files=_files(folder, "permittivity", csv),
         load_cell_files=_files(folder, "load_cell", csv),
     )
-
-
-def list_campaign(campaign: Campaign) -> dict[str, Any]:
-    """What there is, with checksums: the content of capture.json. Reads every byte once."""
-
-    def entry(path: Path) -> dict[str, Any]:
-        try:
-            size, digest = path.stat().st_size, sha256(path)
-        except OSError as error:
-            raise InputError(path, error.strerror or "cannot be read", "check the file") from None
-        return {"file": path.relative_to(campaign.folder).as_posix(), "bytes": size, "sha256": digest}
-
-    excluded = campaign.bench.exclude
-    runs = [
-        entry(log.path) | {"run": log.settings.run, "excluded": excluded.get(log.settings.run)}
-        for log in campaign.logs
-    ]
-    facts = campaign.folder / "campaign.yaml"
-    return {
-        "schema": 1,
-        "campaign": campaign.bench.name,
-        "facts": entry(facts) if facts.is_file() else None,
-        "runs": runs,
-        "capacitance": [entry(path) for path in campaign.capacitance_files],
-        "permittivity": [entry(path) for path in campaign.permittivity_files],
-        "load_cell": [entry(path) for path in campaign.load_cell_files],
-    }
 
 
 def _files(folder: Path, kind: str, extensions: tuple[str, ...]) -> tuple[Path, ...]:

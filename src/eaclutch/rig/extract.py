@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
@@ -13,6 +12,7 @@ from eaclutch.rig.observables import OBSERVABLES
 from eaclutch.rig.preload import preload_of
 from eaclutch.rig.repair import repair, spoiled_samples
 from eaclutch.rig.run_view import RunView
+from eaclutch.rig.table import empty_row
 
 
 def extract(recording: Recording, bench: Bench) -> dict[str, Any]:
@@ -30,22 +30,14 @@ def extract(recording: Recording, bench: Bench) -> dict[str, Any]:
             estimates[name] = observable.measure(run)
         except Unusable as reason:
             estimates[name] = Estimate.missing(str(reason))
-    settings = recording.settings
-    row: dict[str, Any] = {
-        "run": settings.run,
-        "substrate": settings.substrate,
-        "voltage_v": settings.voltage,
-        "frequency_hz": settings.frequency,
-        "width_mm": settings.width * 1e3,
-    }
+    row = empty_row(recording.settings.run)
     try:
         events = run.events
         flags += events.flags
         row |= {"drive_duration_s": events.drive_duration, "dwell_s": events.dwell}
     except Unusable as reason:
         flags.append(str(reason))
-        row |= {"drive_duration_s": math.nan, "dwell_s": math.nan}
-    row["preload_n"] = preload_of(estimates["friction_before_n"].value, settings, bench)
+    row["preload_n"] = preload_of(estimates["friction_before_n"].value, recording.settings, bench)
     for name, estimate in estimates.items():
         row[name], row[f"{name}_sd"] = estimate.value, estimate.sd
     if run.zero.reason:

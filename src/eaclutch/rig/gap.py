@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
 from eaclutch.records import Bench, CapacitanceReadings, FloatArray
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12  # F/m
+NOMINAL_KAPPA = 53.2  # PVDF terpolymer at the meter's 1 kHz, as printed in the paper
 
 
 def gap_from_capacitance(
@@ -36,10 +40,25 @@ def gap_from_capacitance(
 
 
 def gap_table(
-    readings: CapacitanceReadings, kappa: float, bench: Bench
-) -> dict[str, FloatArray | tuple[str, ...]]:
-    """Columns of gap.csv: source, trial, width_mm, force_n, capacitance_pf, gap_um, for one kappa at the meter."""
+    readings: CapacitanceReadings,
+    bench: Bench,
+    *,
+    kappa: float = NOMINAL_KAPPA,
+    widths: Sequence[float] = (),
+    force_max: float = np.inf,
+) -> dict[str, Any]:
+    """Columns of gap.csv: source, trial, width_mm, force_n, capacitance_pf, gap_um, used, reason.
+
+    The gaps are for looking at, with one ``kappa`` at the meter's frequency: the contact fit uses the readings and the
+    dielectric posterior. ``widths`` [m] (empty: all) and ``force_max`` [N] say which readings the fit uses.
+    """
     gap = gap_from_capacitance(readings.capacitance, readings.width, kappa, bench)
+    reasons = []
+    for width, force in zip(readings.width, readings.force, strict=True):
+        if len(widths) and np.min(np.abs(np.asarray(widths) - width)) > 1e-6:
+            reasons.append(f"width {width * 1e3:g} mm is not among those chosen for the contact fit")
+        else:
+            reasons.append("" if force <= force_max else f"force above {force_max:g} N")
     return {
         "source": readings.source,
         "trial": readings.trial,
@@ -47,4 +66,6 @@ def gap_table(
         "force_n": readings.force,
         "capacitance_pf": readings.capacitance * 1e12,
         "gap_um": gap * 1e6,
+        "used": [not reason for reason in reasons],
+        "reason": reasons,
     }

@@ -27,6 +27,25 @@ def observable_infos() -> list[ObservableInfo]:
     return [observable.info for observable in OBSERVABLES.values()]
 
 
+def empty_row(run: str) -> dict[str, Any]:
+    """A row with what the log's name says and nothing measured."""
+    settings = parse_log_name(run)
+    row: dict[str, Any] = {
+        "run": settings.run,
+        "substrate": settings.substrate,
+        "voltage_v": settings.voltage,
+        "frequency_hz": settings.frequency,
+        "width_mm": settings.width * 1e3,
+        "preload_n": np.nan,
+        "usable": False,
+        "flags": "",
+        "reasons": "",
+        "drive_duration_s": np.nan,
+        "dwell_s": np.nan,
+    }
+    return row | {column: np.nan for name in OBSERVABLES for column in (name, f"{name}_sd")}
+
+
 def session_of(stamp: datetime, bench: Bench) -> str:
     """The session a run belongs to: the span that holds its stamp, else its date."""
     for span in bench.sessions or ():

@@ -1,33 +1,38 @@
-"""A run small enough for a thumbnail: the extremes of each stretch of the recording."""
+"""A run's force thinned for drawing: the extremes of each stretch are kept."""
 
 from __future__ import annotations
+
+import itertools
 
 import numpy as np
 
 from eaclutch.records import FloatArray, Recording
 from eaclutch.rig.estimate import Unusable
 from eaclutch.rig.events import find_events
-from eaclutch.rig.repair import repair
 
-STRETCHES = 160
+POINTS = 400
 
 
-def trace(recording: Recording, stretches: int = STRETCHES) -> FloatArray:
-    """The repaired run in at most 2 x ``stretches`` points, (points, 3).
+def trace(recording: Recording, points: int = POINTS) -> FloatArray:
+    """Shape (<= points, 3): time from voltage on [s] (from the start where there was none), force [N], voltage on.
 
-    Columns: time [s] (0 = voltage on, or the first sample where no voltage comes on), force [N], and 1 while the
-    voltage is on. Of each stretch the smallest and the largest finite force stay, in order of time.
+    Of every stretch the smallest and the largest force are kept, so that a slip or a spike stays visible.
     """
-    run = repair(recording)
-    finite = np.flatnonzero(np.isfinite(run.force) & np.isfinite(run.time))
-    if not len(finite):
-        return np.empty((0, 3))
-    kept = []
-    for part in np.array_split(finite, min(stretches, len(finite))):
-        kept += sorted({int(part[np.argmin(run.force[part])]), int(part[np.argmax(run.force[part])])})
+    good = np.isfinite(recording.time) & np.isfinite(recording.force)
+    time, force = recording.time[good], recording.force[good]
     try:
-        events = find_events(run)
-        start, driven = events.on, (run.time >= events.on) & (run.time < events.off)
+        events = find_events(recording)
+        driven = (time > events.on) & (time < events.off)
+        time = time - events.on
     except Unusable:
-        start, driven = run.time[finite[0]], np.zeros(len(run.time), dtype=bool)
-    return np.column_stack([run.time[kept] - start, run.force[kept], driven[kept]])
+        driven = np.zeros(len(time), dtype=bool)
+    if len(time) <= points:
+        index = np.arange(len(time))
+    else:
+        edges = np.linspace(0, len(time), points // 2 + 1).astype(int)
+        pairs = [
+            (start + int(np.argmin(force[start:end])), start + int(np.argmax(force[start:end])))
+            for start, end in itertools.pairwise(edges)
+        ]
+        index = np.unique(np.array(pairs).ravel())
+    return np.stack([time[index], force[index], driven[index].astype(float)], axis=1)

@@ -36,6 +36,17 @@ class Timing:
 
 
 @dataclass(frozen=True)
+class BenchSetting:
+    """What the operator sets by hand: supply, second microcontroller, substrate, weight (SI; preload None = not set)."""
+
+    voltage: float
+    frequency: float
+    width: float
+    substrate: str
+    preload: float | None = None
+
+
+@dataclass(frozen=True)
 class Command:
     """One run: how far the stage travels with the voltage on [m], and how fast [m/s]."""
 

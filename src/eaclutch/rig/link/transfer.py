@@ -23,7 +23,7 @@ from eaclutch.rig.link.protocol import (
 
 LARGEST_FORCE = 50.0  # N
 MOST_REPAIRS = 5
-GRID_TOLERANCE = 0.02  # of a converter step; the published logs keep 0.003
+GRID_TOLERANCE = 0.005  # of a converter step; the published logs keep 0.0025
 _BLOCKS = ("time", "force", "flag", "voltage")
 _LINE = {
     "time": re.compile(rb"(?:0|[1-9]\d{0,9})(?:\.0{1,6})?", re.ASCII),
