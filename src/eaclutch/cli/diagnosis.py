@@ -1,0 +1,74 @@
+"""Commands of the diagnosis room: is there a gap, weigh a candidate, say the verdict."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import click
+
+from eaclutch.config import load_bench
+from eaclutch.diagnosis.conclude import conclude, gap_summary
+from eaclutch.diagnosis.files import read_inputs
+from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.result import CandidateResult
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
+from eaclutch.files import read_json, write_json
+
+_FOLDER = click.Path(path_type=Path)
+_FILE = click.Path(dir_okay=False, path_type=Path)
+
+
+def _common(command: Any) -> Any:
+    for option in (
+        click.option("--output", type=_FILE, required=True, help="File to write."),
+        click.option("--seed", type=int, default=1, show_default=True, help="Seed of simulated campaigns."),
+        click.option("--settings", default="{}", help="Config sections model, priors and diagnosis as JSON."),
+        click.option("--results", type=_FOLDER, required=True, help="The campaign's results folder."),
+        click.option("--campaign", type=_FOLDER, required=True, help="The campaign's folder."),
+    ):
+        command = option(command)
+    return command
+
+
+def _study(campaign: Path, results: Path, settings: str, seed: int) -> Study:
+    chosen = json.loads(settings)
+    return Study(read_inputs(results, load_bench(campaign), chosen), load_thresholds(), seed)
+
+
+@click.command("diagnosis-gap")
+@_common
+def diagnosis_gap(campaign: Path, results: Path, settings: str, seed: int, output: Path) -> None:
+    """Is there a gap beyond repeatability? The base model's fit (gap.json)."""
+    study = _study(campaign, results, settings, seed)
+    base = study.weigh(())
+    write_json(output, {"schema": 1, "summary": gap_summary(study, base), "base": base.document()})
+
+
+@click.command("diagnosis-candidate")
+@click.argument("effects", nargs=-1, required=True)
+@_common
+def diagnosis_candidate(
+    effects: tuple[str, ...], campaign: Path, results: Path, settings: str, seed: int, output: Path
+) -> None:
+    """Weigh one candidate (or two together) jointly with the calibrated parameters."""
+    study = _study(campaign, results, settings, seed)
+    write_json(output, study.weigh(effects).document())
+
+
+@click.command("diagnosis")
+@click.argument("candidates", nargs=-1, type=_FILE)
+@_common
+def diagnosis(
+    candidates: tuple[Path, ...], campaign: Path, results: Path, settings: str, seed: int, output: Path
+) -> None:
+    """The verdict from all weighed CANDIDATES (diagnosis.json)."""
+    study = _study(campaign, results, settings, seed)
+    found = [study.weigh(())] + [CandidateResult.read(read_json(path)) for path in candidates]
+    pairs = json.loads(settings).get("diagnosis", {}).get("pairs", 6)
+    write_json(output, conclude(study, [*found, *weigh_pairs(study, found, pairs)]))
+
+
+COMMANDS = [diagnosis_gap, diagnosis_candidate, diagnosis]

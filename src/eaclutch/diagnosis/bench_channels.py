@@ -1,0 +1,145 @@
+"""The calibration bench as entries of the same comparison: capacitance, permittivity, load-cell bursts.
+
+They stand inside the joint fit because some effects act there: stray capacitance biases the gap, and with it
+the contact parameters, however well the runs themselves are measured.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from eaclutch.records import BurstFeatures, CapacitanceReadings, FloatArray, Spectrum
+
+FORCE_LEVELS = np.geomspace(0.1, 8.0, 12)  # N; readings are thinned to these levels
+SPECTRUM_POINTS = 10  # per source
+LARGEST_FORCE = 4.0  # N; beyond it the fixture squeezes more than the clutch ever does
+
+
+@dataclass(frozen=True)
+class BenchEntries:
+    """Bench entries, (entries,) each: logarithms of capacitance, permittivity, burst frequency and damping.
+
+    setting: force [N], frequency [Hz], or 0/1 for burst frequency/damping; width [m] (capacitance only).
+    offset: label of what the entry shares a random offset with. features (entries, 2).
+    """
+
+    values: FloatArray
+    noise_sd: FloatArray
+    block: np.ndarray
+    offset: np.ndarray
+    setting: FloatArray
+    width: FloatArray
+    features: FloatArray
+    notes: tuple[str, ...] = ()
+
+
+def summarise(
+    readings: CapacitanceReadings | None,
+    spectra: Sequence[Spectrum],
+    bursts: BurstFeatures | None,
+    thresholds: Mapping[str, Any],
+) -> BenchEntries:
+    """Thin the bench's data to entries; what is missing is said in ``notes``."""
+    scale = thresholds["length_scales"]
+    rows: list[tuple] = []
+    notes = []
+    if readings is not None and len(readings.force):
+        rows += _capacitance(readings, scale)
+    if not any(row[2] == "capacitance" for row in rows):
+        notes.append("no capacitance readings: gap, contact stiffness and roughness rest on their priors")
+    for spectrum in spectra:
+        rows += _spectrum(spectrum, scale)
+    if not spectra:
+        notes.append("no permittivity spectra: the dielectric rests on its priors")
+    if bursts is not None and len(bursts.frequency):
+        rows += _bursts(bursts)
+    else:
+        notes.append("no load-cell step responses: the load cell rests on its priors")
+    return BenchEntries(
+        np.array([r[0] for r in rows], dtype=float),
+        np.array([r[1] for r in rows], dtype=float),
+        np.array([r[2] for r in rows], dtype=object),
+        np.array([r[3] for r in rows], dtype=object),
+        np.array([r[4] for r in rows], dtype=float),
+        np.array([r[5] for r in rows], dtype=float),
+        np.array([r[6:8] for r in rows], dtype=float).reshape(len(rows), 2),
+        tuple(notes),
+    )
+
+
+def _capacitance(readings: CapacitanceReadings, scale: Mapping[str, float]) -> list[tuple]:
+    """One entry a width and force level: the mean over trials of log C, and its trial-to-trial uncertainty."""
+    trials = np.array([f"{s}|{t}" for s, t in zip(readings.source, readings.trial, strict=True)])
+    curves: dict[float, list[FloatArray]] = {}
+    for width in np.unique(readings.width):
+        for trial in np.unique(trials[readings.width == width]):
+            curve = _curve(readings, (readings.width == width) & (trials == trial))
+            if np.isfinite(curve).any():
+                curves.setdefault(float(width), []).append(curve)
+    scatter = [np.nanstd(np.array(c) , axis=0, ddof=1)[np.isfinite(c).sum(axis=0) > 1]
+               for c in curves.values() if len(c) > 1]  # fmt: skip
+    pooled = float(np.sqrt(np.mean(np.concatenate(scatter) ** 2))) if scatter else 0.02
+    rows = []
+    for width, found in curves.items():
+        stack = np.array(found)
+        count = np.isfinite(stack).sum(axis=0)
+        for level in np.flatnonzero(count):
+            mean = float(np.nanmean(stack[:, level]))
+            sd = np.hypot(max(pooled, 1e-3) / np.sqrt(count[level]), 1e-3)
+            force = float(FORCE_LEVELS[level])
+            rows.append((mean, sd, "capacitance", f"w{width:.6g}", force, width,
+                         np.log(force) / scale["log_force"], np.log(width) / scale["log_width"]))  # fmt: skip
+    return rows
+
+
+def _curve(readings: CapacitanceReadings, rows: np.ndarray) -> FloatArray:
+    """log C of one trial at the force levels it reaches, (levels,), not-a-number elsewhere."""
+    force, capacitance = readings.force[rows], readings.capacitance[rows]
+    use = np.isfinite(force) & np.isfinite(capacitance) & (capacitance > 0) & (force > 0)
+    force, log_c = force[use], np.log(capacitance[use])
+    curve = np.full(len(FORCE_LEVELS), np.nan)
+    for i, level in enumerate(FORCE_LEVELS):
+        near = np.abs(np.log(force / level)) < 0.19
+        if level <= LARGEST_FORCE and np.count_nonzero(near) >= 1:
+            slope_free = (
+                log_c[near] if np.count_nonzero(near) < 4 else _at_level(force[near], log_c[near], level)
+            )
+            curve[i] = float(np.mean(slope_free))
+    return curve
+
+
+def _at_level(force: FloatArray, log_c: FloatArray, level: float) -> FloatArray:
+    """A local straight line in log force, read off at the level."""
+    x = np.log(force / level)
+    if np.ptp(x) < 1e-6:
+        return log_c
+    return np.atleast_1d(np.polynomial.polynomial.polyfit(x, log_c, 1)[0])
+
+
+def _spectrum(spectrum: Spectrum, scale: Mapping[str, float]) -> list[tuple]:
+    use = (spectrum.frequency > 0) & (spectrum.permittivity > 0)
+    frequency, log_kappa = np.log10(spectrum.frequency[use]), np.log(spectrum.permittivity[use])
+    order = np.argsort(frequency)
+    rows = []
+    for part in np.array_split(order, min(SPECTRUM_POINTS, len(order))) if len(order) else []:
+        at = float(np.mean(frequency[part]))
+        rows.append((float(np.mean(log_kappa[part])), 0.02, "permittivity", spectrum.source, 10.0**at, 0.0,
+                     at / scale["log10_frequency"], 0.0))  # fmt: skip
+    return rows
+
+
+def _bursts(bursts: BurstFeatures) -> list[tuple]:
+    n = len(bursts.frequency)
+    frequency, damping = np.log(bursts.frequency), np.log(np.maximum(bursts.damping_ratio, 1e-6))
+    scatter_f = float(np.std(frequency, ddof=1)) if n > 1 else 0.01
+    scatter_d = float(np.std(damping, ddof=1)) if n > 1 else 0.1
+    sd_f = np.hypot(scatter_f / np.sqrt(n), 1e-3)
+    sd_d = np.hypot(scatter_d / np.sqrt(n), 1e-2)
+    return [
+        (float(np.mean(frequency)), sd_f, "bursts", "frequency", 0.0, 0.0, 0.0, 0.0),
+        (float(np.mean(damping)), sd_d, "bursts", "damping", 1.0, 0.0, 9.0, 0.0),
+    ]

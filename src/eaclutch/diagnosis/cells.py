@@ -1,0 +1,99 @@
+"""The gap as the contract counts it: (observable, condition) cells in the observable's own unit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from scipy import sparse
+
+from eaclutch.diagnosis.data import DataVector, estimated_preload
+from eaclutch.diagnosis.repeatability import PRELOAD_EDGES, pooled_variance
+from eaclutch.records import FloatArray
+
+
+@dataclass(frozen=True)
+class Cells:
+    """Cells of a campaign, each array (cells,) unless stated.
+
+    observable, condition: names. variance: of the cell's mean by the pooled repeat variance, in the unit
+    squared. gather: sparse (cells, entries): entry errors to cell errors. slope (entries,): d value / d scaled
+    at the measured value, to carry an entry's error to the observable's unit to first order; log entries use
+    the exact form in ``errors``.
+    """
+
+    observable: np.ndarray
+    condition: np.ndarray
+    variance: FloatArray
+    repeats: FloatArray
+    gather: sparse.csr_matrix
+    level: FloatArray  # (entries,) measured value in the observable's own unit
+    log: np.ndarray  # (entries,) whether the entry is compared by its logarithm
+    unit_scale: FloatArray  # (entries,)
+
+    def errors(self, scaled: FloatArray) -> FloatArray:
+        """Measured less predicted in the observable's unit, (..., cells), from entry errors (..., entries)."""
+        clipped = np.clip(scaled, -6.0, 6.0)
+        own = np.where(self.log, self.level * -np.expm1(-clipped), scaled * self.unit_scale)
+        return own @ self.gather.T
+
+    def mean_square(self, scaled: FloatArray, rows: np.ndarray | None = None) -> FloatArray:
+        """The contract's statistic over all cells (or ``rows``), (...,)."""
+        ratio = self.errors(scaled) ** 2 / self.variance
+        return np.mean(ratio if rows is None else ratio[..., rows], axis=-1)
+
+
+def cells_of(data: DataVector, native_variance: dict[str, float]) -> Cells:
+    """Cells of the run entries.
+
+    native_variance: variance of a single run of each observable, in its unit squared.
+    """
+    n = data.run_entries
+    keys = [(data.channel[i], data.condition[i]) for i in range(n)]
+    names = list(dict.fromkeys(keys))
+    index = {key: i for i, key in enumerate(names)}
+    count = np.zeros(len(names))
+    for i, key in enumerate(keys):
+        count[index[key]] += data.count[i]
+    gather = sparse.lil_matrix((len(names), n))
+    for i, key in enumerate(keys):
+        gather[index[key], i] = data.count[i] / count[index[key]]
+    by_name = {channel.name: channel for channel in data.channels}
+    channels = [by_name[data.channel[i]] for i in range(n)]
+    level = np.array([float(c.backward(v)) for c, v in zip(channels, data.values[:n], strict=True)])
+    variance = np.array([native_variance[key[0]] for key in names]) / count
+    return Cells(
+        np.array([key[0] for key in names], dtype=object),
+        np.array([key[1] for key in names], dtype=object),
+        variance,
+        count,
+        gather.tocsr(),
+        level,
+        np.array([c.scale == "log" for c in channels], dtype=bool),
+        np.array([c.unit_scale for c in channels]),
+    )
+
+
+def native_variances(table: pd.DataFrame, data: DataVector) -> tuple[dict[str, float], dict[str, int]]:
+    """Repeat variance of a single run of each observable in its unit squared, and its degrees of freedom.
+
+    Without repeats the extractor's own variance stands in (degrees of freedom 0 say so).
+    """
+    conditions = data.conditions
+    keys = [f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)]
+    groups = np.unique(keys, return_inverse=True)[1]
+    bins = np.digitize(estimated_preload(table, conditions), PRELOAD_EDGES)
+    variances, dofs = {}, {}
+    for channel in data.channels:
+        values = pd.to_numeric(table[channel.name], errors="coerce").to_numpy(dtype=float)
+        repeat = pooled_variance(values, conditions.friction_before, groups, bins)
+        own = np.full(len(values), np.nan)
+        if f"{channel.name}_sd" in table:
+            own = pd.to_numeric(table[f"{channel.name}_sd"], errors="coerce").to_numpy(dtype=float) ** 2
+        typical = float(np.nanmedian(own)) if np.isfinite(own).any() else np.nan
+        variance = repeat.variance if repeat.dof > 0 and repeat.variance > 0 else typical
+        if not np.isfinite(variance) or variance <= 0:
+            variance = (0.01 * float(np.nanmean(np.abs(values)))) ** 2 + 1e-30
+        variances[channel.name], dofs[channel.name] = variance, repeat.dof
+    return variances, dofs

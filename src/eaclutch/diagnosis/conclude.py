@@ -1,0 +1,146 @@
+"""The last step: all weighed hypotheses to diagnosis.json."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, total_gap
+from eaclutch.diagnosis.gate import adequacy, simulate_null
+from eaclutch.diagnosis.gaussian import leave_out
+from eaclutch.diagnosis.localise import localise
+from eaclutch.diagnosis.nameless import nameless_fit
+from eaclutch.diagnosis.next_experiment import next_experiments
+from eaclutch.diagnosis.result import CandidateResult, condition_groups
+from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.verdict import Verdict, decide
+from eaclutch.diagnosis.weigh import NONE, by_effect, probabilities
+
+CAMPAIGNS = 400  # simulated, for every p-value and the noise floor
+
+
+def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]:
+    """diagnosis.json (contract) from the base model's result and all others."""
+    base = next(r for r in results if r.effects == NONE)
+    linearised = study.base.linearised
+    _, groups = condition_groups(study.data)
+    left = leave_out(linearised, groups)
+    strict = study.kernels.total(tolerance=0.0, session=study.base.multipliers[1])
+    null = simulate_null(linearised, strict, study.generator(11), CAMPAIGNS)
+    gate_p, _ = adequacy(linearised, left, np.where(study.data.condition != "", study.data.block, ""), null)
+    nameless = nameless_fit(linearised, study.data, study.kernels, study.thresholds)
+    weights = probabilities(results, nameless.log_evidence, study.thresholds)
+    notes = caveats(study)
+    verdict = decide(weights, results, study.thresholds, notes)
+    after = _after(verdict, results, base)
+    simulated = null.strict @ left.prediction_error.T
+    floor = float(np.median(study.cells.mean_square(simulated[:, : study.data.run_entries])))
+    where = localise(
+        study.data, study.cells, study.preload, np.array(base.errors_left_out), simulated, study.generator(13)
+    )
+    units = {channel.name: channel.unit for channel in study.data.channels}
+    closure = gap_numbers(study.cells, base, after, floor, study.generator(12))
+    return {
+        "schema": 1,
+        "campaign": study.inputs.bench.name,
+        "model": {"effects": list(study.inputs.effects)},
+        "gap": {
+            "total": total_gap(study.cells, base, after, floor, study.generator(14)),
+            "by_observable": by_observable(
+                study.cells, base, after, simulated, where.observable_p, units, study.generator(15)
+            ),
+        },
+        "where": where.rows,
+        "hypotheses": [
+            {"effects": list(effects), "probability": weights[effects]}
+            for effects in sorted(weights, key=lambda e: -weights[e])
+        ],
+        "causes": causes(study, results, weights, floor, gate_p),
+        "verdict": {
+            "effects": list(verdict.effects), "probability": verdict.probability,
+            "alternatives": [list(a) for a in verdict.alternatives], "why": verdict.why,
+        },
+        "closure": closure,
+        "absorbed": absorbed(base, after),
+        "next_experiment": next_experiments(study, results, weights, verdict),
+    }  # fmt: skip
+
+
+def gap_summary(study: Study, base: CandidateResult) -> dict[str, Any]:
+    """What the base model's fit says by itself: adequacy, by block, and how well repeats are known."""
+    return {
+        "adequate_p": base.adequate_p, "block_p": dict(base.block_p), "entries": len(study.data),
+        "cells": len(study.cells.variance), "repeat_dof": study.dof, "notes": caveats(study),
+    }  # fmt: skip
+
+
+def _after(verdict: Verdict, results: Sequence[CandidateResult], base: CandidateResult) -> CandidateResult:
+    """The result whose predictions count as "after": the verdict's, the base model's where none is named."""
+    return next((r for r in results if r.effects == verdict.effects), base)
+
+
+def causes(
+    study: Study,
+    results: Sequence[CandidateResult],
+    weights: Mapping[tuple[str, ...], float],
+    floor: float,
+    gate_p: float,
+) -> list[dict[str, Any]]:
+    """One entry a candidate, and one each for ``unknown`` and ``none``, the most probable first."""
+    base = next(r for r in results if r.effects == NONE)
+    single = {r.effects[0]: r for r in results if len(r.effects) == 1}
+    marginal = by_effect(weights)
+    entries = []
+    for name in [*study.candidates, "unknown", "none"]:
+        result = single.get(name, base)
+        gain = np.array(result.log_density) - np.array(base.log_density)
+        closure = gap_numbers(study.cells, base, result, floor, study.generator(12))
+        entries.append(
+            {
+                "effect": name, "probability": marginal.get(name, 0.0),
+                "delta_elpd": float(gain.sum()),
+                "delta_elpd_se": float(np.std(gain, ddof=1) * np.sqrt(len(gain))) if len(gain) > 1 else 0.0,
+                "closure": closure["shrinkage"], "closure_interval": closure["interval"],
+                "adequate_after": bool(
+                    (result.adequate_p if name in single else gate_p)
+                    >= study.thresholds["verdict"]["adequate_p_value"]
+                ),
+                "parameters": dict(result.parameters) if name in single else {},
+                "indistinguishable_from": indistinguishable(name, single, weights, study.thresholds),
+            }
+        )  # fmt: skip
+    entries.sort(key=lambda entry: (-entry["probability"], entry["effect"]))
+    return entries
+
+
+def indistinguishable(
+    name: str,
+    single: Mapping[str, CandidateResult],
+    weights: Mapping[tuple[str, ...], float],
+    thresholds: Mapping[str, Any],
+) -> list[str]:
+    """Other names whose own probability is within the stated factor of this one's, where both matter."""
+    mine = weights.get((name,), 0.0)
+    if name not in single or mine < 0.01:
+        return []
+    factor = thresholds["verdict"]["indistinguishable_factor"]
+    return sorted(
+        other
+        for other in single
+        if other != name and 1 / factor <= weights.get((other,), 0.0) / mine <= factor
+    )
+
+
+def caveats(study: Study) -> list[str]:
+    """What this campaign cannot say, by name."""
+    notes = list(study.data.bench.notes)
+    conditions, sessions = set(study.conditions.condition), set(study.conditions.session)
+    if len(conditions) < 2:
+        notes.append("one condition only: no condition can be left out, and nothing is known of any setting")
+    if len(sessions) < 2:
+        notes.append("one session only: session drift cannot be told")
+    if all(dof == 0 for dof in study.dof.values()):
+        notes.append("no repeats: no noise floor, the extractor's own uncertainty stands in")
+    return notes

@@ -1,0 +1,233 @@
+"""Where the gap lies: observable x factor x level, its share of what can be closed, and what it is confounded with.
+
+All p-values come from the same simulated campaigns as the gate's, adjusted for the whole table at once. The
+table that is tested is larger than the one that is shown: every observable with every two-way split of every
+factor, besides "all".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from eaclutch.diagnosis.cells import Cells
+from eaclutch.diagnosis.data import DataVector
+from eaclutch.diagnosis.gate import max_statistic
+from eaclutch.records import FloatArray
+
+CONFOUNDED = 0.8  # share of a split's variance that another factor explains, from which it is named
+SHOWN = 12  # rows of the table
+MOSTLY_ALL = 0.85  # a level that holds this share of the cells is no place of its own
+
+
+@dataclass(frozen=True)
+class Split:
+    """A factor cut in two: ``level`` names the side, ``member`` (conditions,) its weight in 0..1."""
+
+    factor: str
+    level: str
+    member: FloatArray
+
+
+def splits_of(data: DataVector, preload: FloatArray) -> list[Split]:
+    """Every two-way split of every factor over the run entries; member (run entries,)."""
+    runs, n = data.conditions, data.run_entries
+    weights = _entry_average(data)
+    arrays = {
+        "voltage_v": runs.voltage,
+        "frequency_hz": runs.frequency,
+        "width_mm": runs.width * 1e3,
+        "thickness_mm": runs.thickness * 1e3,
+        "preload_n": preload,
+        "dwell_s": runs.dwell,
+        "run_order": runs.run_order,
+    }
+    found = [Split("all", "all", np.ones(n))]
+    for factor, values in arrays.items():
+        entry = weights @ np.nan_to_num(values)
+        for cut in _cuts(entry):
+            low = (entry <= cut).astype(float)
+            found += [Split(factor, f"<={cut:.3g}", low), Split(factor, f">{cut:.3g}", 1.0 - low)]
+    sessions = data.session[:n]
+    if len(set(sessions)) > 1:
+        found += [
+            Split("session", name, (sessions == name).astype(float)) for name in dict.fromkeys(sessions)
+        ]
+    return found
+
+
+def _cuts(entry: FloatArray) -> list[float]:
+    """At most four cuts between distinct levels, at quantiles of the distinct values."""
+    distinct = np.unique(np.round(entry, 6))
+    if len(distinct) < 2:
+        return []
+    if len(distinct) <= 5:
+        return [float(v) for v in distinct[:-1]]
+    return sorted(
+        {float(v) for v in np.quantile(distinct, [0.2, 0.4, 0.6, 0.8], method="lower")} - {distinct[-1]}
+    )
+
+
+def _entry_average(data: DataVector) -> FloatArray:
+    """(run entries, runs): weights that average a run-level setting into an entry."""
+    n_runs = len(data.conditions)
+    folded = data.average.tocoo()
+    out = np.zeros((data.run_entries, n_runs))
+    out[folded.row, folded.col % n_runs] = folded.data
+    return out
+
+
+@dataclass(frozen=True)
+class Where:
+    """The table, and the p-value of each observable on its own (same family)."""
+
+    rows: list[dict[str, Any]]
+    observable_p: Mapping[str, float]
+
+
+def localise(
+    data: DataVector,
+    cells: Cells,
+    preload: FloatArray,
+    errors: FloatArray,
+    simulated: FloatArray,
+    rng: np.random.Generator,
+    *,
+    level: float = 0.05,
+) -> Where:
+    """Find the places.
+
+    errors (entries,): measured less predicted by the base model, conditions left out; simulated
+    (campaigns, entries): the same of campaigns simulated from it. Returns rows sorted by share.
+    """
+    n = data.run_entries
+    splits = splits_of(data, preload)
+    names = [channel.name for channel in data.channels]
+    own = np.array([data.channel[:n] == name for name in names])
+    ratio, null = _excess(data, cells, errors, simulated)
+    tests: list[tuple[str, Split]] = [(name, split) for name in names for split in splits]
+    masks = np.array([own[names.index(name)] * split.member for name, split in tests])
+    use = masks.sum(axis=1) > 0
+    tests, masks = [t for t, keep in zip(tests, use, strict=True) if keep], masks[use]
+    size = masks.sum(axis=1)
+    p_values = max_statistic(np.log1p(masks @ ratio / size), np.log1p(null @ masks.T / size))
+    expected = null.mean(axis=0)
+    observable_p = {
+        name: float(p_values[i]) for i, (name, split) in enumerate(tests) if split.factor == "all"
+    }
+    rows = []
+    for name in names:
+        found = _place(name, tests, masks, ratio - expected, p_values, level)
+        if found is None:
+            continue
+        test, index = found
+        rows.append(
+            _row(name, test, masks[index], ratio - expected, errors[:n], p_values[index], data, splits, rng)
+        )
+    rows.sort(key=lambda row: -row["share"])
+    return Where(rows[:SHOWN], observable_p)
+
+
+def _excess(
+    data: DataVector, cells: Cells, errors: FloatArray, simulated: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Squared entry errors over the variance of the entry's mean, weighted like the contract's cells."""
+    n = data.run_entries
+    gather = cells.gather.tocsc()
+    cell = np.array([gather.indices[gather.indptr[i]] for i in range(n)])
+    weight = np.asarray(gather.max(axis=0).todense()).ravel()
+    scale = np.where(cells.log, cells.level, cells.unit_scale)
+    variance = cells.variance[cell] / np.maximum(weight, 1e-12)
+    own = np.where(
+        cells.log, cells.level * -np.expm1(-np.clip(errors[:n], -6, 6)), errors[:n] * cells.unit_scale
+    )
+    return weight * own**2 / variance, weight * (simulated[:, :n] * scale) ** 2 / variance
+
+
+def _place(
+    name: str,
+    tests: Sequence[tuple[str, Split]],
+    masks: FloatArray,
+    excess: FloatArray,
+    p_values: FloatArray,
+    level: float,
+) -> tuple[Split, int] | None:
+    """The narrowest place that holds nearly all of an observable's excess, or None without a significant one."""
+    mine = [i for i, (observable, _) in enumerate(tests) if observable == name]
+    if not mine or min(p_values[i] for i in mine) > level:
+        return None
+    every = next(i for i in mine if tests[i][1].factor == "all")
+    total, cells = float(masks[every] @ excess), float(masks[every].sum())
+    best, best_score = every, 1.0
+    for i in mine:
+        share, part = float(masks[i] @ excess) / max(total, 1e-12), float(masks[i].sum()) / cells
+        # concentration against what an even spread would put there; a place must hold most of the gap
+        if p_values[i] <= level and share >= 0.6 and part <= MOSTLY_ALL:
+            score = share**2 / max(part, 0.05)
+            if score > 1.15 * best_score:
+                best, best_score = i, score
+    if p_values[best] > level:
+        best = min(mine, key=lambda i: p_values[i])
+    return tests[best][1], best
+
+
+def _row(
+    name: str,
+    split: Split,
+    mask: FloatArray,
+    excess: FloatArray,
+    errors: FloatArray,
+    p_value: float,
+    data: DataVector,
+    splits: Sequence[Split],
+    rng: np.random.Generator,
+) -> dict[str, Any]:
+    channel = next(c for c in data.channels if c.name == name)
+    share, interval = _share(mask, excess, data, rng)
+    mean = float(mask @ errors) / max(float(mask.sum()), 1e-12)
+    return {
+        "observable": name,
+        "factor": split.factor,
+        "level": split.level,
+        "phase": channel.phase,
+        "share": share,
+        "interval": interval,
+        "direction": "+" if mean >= 0 else "-",
+        "p_value": float(p_value),
+        "confounded_with": confounded(split, splits),
+    }
+
+
+def _share(
+    mask: FloatArray, excess: FloatArray, data: DataVector, rng: np.random.Generator
+) -> tuple[float, list[float]]:
+    """Share of the closable gap in ``mask`` and its 90 % bootstrap interval over conditions."""
+    conditions = np.array(data.condition[: len(mask)], dtype=str)
+    _, index = np.unique(conditions, return_inverse=True)
+    inside = np.bincount(index, weights=mask * excess)
+    total = np.bincount(index, weights=excess)
+    counts = rng.multinomial(len(total), np.full(len(total), 1 / len(total)), size=400)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        draws = np.clip((counts @ inside) / (counts @ total), 0.0, 1.0)
+    draws = draws[np.isfinite(draws)]
+    share = float(np.clip(inside.sum() / total.sum(), 0.0, 1.0)) if total.sum() > 0 else 0.0
+    if len(draws) == 0:
+        return share, [0.0, 1.0]
+    low, high = np.quantile(draws, [0.05, 0.95])
+    return share, [min(float(low), share), max(float(high), share)]
+
+
+def confounded(split: Split, splits: Sequence[Split]) -> list[str]:
+    """Factors whose own split is (almost) the same set of runs in this campaign's design."""
+    if split.factor == "all":
+        return []
+    found = set()
+    for other in splits:
+        if other.factor in (split.factor, "all") or np.std(other.member) == 0 or np.std(split.member) == 0:
+            continue
+        if np.corrcoef(split.member, other.member)[0, 1] ** 2 >= CONFOUNDED:
+            found.add(other.factor)
+    return sorted(found)

@@ -1,0 +1,70 @@
+"""The nameless competitor: some smooth discrepancy, in some of the blocks, that no law in the library explains.
+
+It is the tolerance of the base model blown up by a factor that each block chooses for itself. It pays for its
+freedom by its evidence, like everybody else, and it is what a named effect must beat.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.special import logsumexp
+
+from eaclutch.diagnosis.covariance import Kernels
+from eaclutch.diagnosis.data import DataVector
+from eaclutch.diagnosis.gaussian import Linearised, log_normal
+from eaclutch.records import FloatArray
+
+SESSION = "session spread"
+
+
+@dataclass(frozen=True)
+class Nameless:
+    """log_evidence (nats); factors: how much each block's tolerance (and the session spread) was blown up."""
+
+    log_evidence: float
+    factors: dict[str, float]
+    linearised: Linearised
+
+
+def nameless_fit(
+    base: Linearised, data: DataVector, kernels: Kernels, thresholds: Mapping[str, Any]
+) -> Nameless:
+    """Evidence of the nameless competitor around the base fit's linearisation.
+
+    The factors are chosen block by block until nothing changes; the sum over each one's grid, the others
+    fixed, stands for the sum over all of them (they hardly interact).
+    """
+    settings = thresholds["nameless"]
+    grid = np.array(settings["factors"], dtype=float)
+    free = float(settings["free_share"])
+    log_prior = np.log(np.where(grid == 1.0, 1.0 - free, free / max(1, np.count_nonzero(grid > 1.0))))
+    names = [*dict.fromkeys(data.block.tolist()), SESSION]
+    prior = base.jacobian @ base.jacobian.T
+
+    def score(factors: dict[str, float]) -> float:
+        covariance = _covariance(factors, data, kernels)
+        chosen = sum(log_prior[int(np.flatnonzero(grid == f)[0])] for f in factors.values())
+        return log_normal(base.w, covariance + prior) + float(chosen)
+
+    factors = dict.fromkeys(names, 1.0)
+    table: dict[str, FloatArray] = {}
+    for _ in range(int(settings["sweeps"])):
+        before = dict(factors)
+        for name in names:
+            table[name] = np.array([score({**factors, name: float(f)}) for f in grid])
+            factors[name] = float(grid[int(np.argmax(table[name]))])
+        if factors == before:
+            break
+    top = score(factors)
+    evidence = top + sum(float(logsumexp(table[name] - np.max(table[name]))) for name in names)
+    covariance = _covariance(factors, data, kernels)
+    return Nameless(evidence, factors, Linearised(base.w, base.jacobian, covariance))
+
+
+def _covariance(factors: Mapping[str, float], data: DataVector, kernels: Kernels) -> FloatArray:
+    tolerance = np.array([factors[block] for block in data.block])
+    return kernels.total(tolerance=tolerance, session=factors[SESSION])

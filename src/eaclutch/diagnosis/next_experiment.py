@@ -1,0 +1,127 @@
+"""The few runs within the rig's limits that would best separate what is left."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from eaclutch.diagnosis.forward import predict_scaled
+from eaclutch.diagnosis.result import CandidateResult
+from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.verdict import Verdict
+from eaclutch.diagnosis.weigh import UNKNOWN
+from eaclutch.records import FloatArray, RunConditions
+
+VOLTAGES = (100.0, 200.0, 300.0)
+FREQUENCIES = (0.1, 1.0, 10.0, 100.0, 1000.0, 10000.0)
+PRELOADS = (0.1, 0.5, 1.0)
+RUNS = 5
+SHOWN = 3
+CONTENDERS = 4
+SMALLEST_WEIGHT = 0.01
+
+
+def next_experiments(
+    study: Study,
+    results: Sequence[CandidateResult],
+    weights: Mapping[tuple[str, ...], float],
+    verdict: Verdict,
+) -> list[dict[str, Any]]:
+    """Contract's ``next_experiment``: the conditions of largest expected information, the best first.
+
+    The information is that of which hypothesis is true, by the Bhattacharyya bound on a mixture of Gaussians
+    (Kolchinsky & Tracey 2017, doi:10.3390/e19070361), from the predictions at each hypothesis' own fit.
+    """
+    fitted = {r.effects: r for r in results}
+    order = sorted((e for e in weights if e != UNKNOWN), key=lambda e: -weights[e])[:CONTENDERS]
+    contenders = [e for e in order if weights[e] >= SMALLEST_WEIGHT] or order[:1]
+    if len(contenders) < 2:
+        contenders = order[:2]
+    if len(contenders) < 2:
+        return []
+    grid = _grid(study)
+    predictions = np.array([_predict(study, fitted[e], grid) for e in contenders])
+    variance = _variance(study)
+    p = np.array([max(weights[e], 1e-3) for e in contenders])
+    p = p / p.sum()
+    distance = (predictions[:, None] - predictions[None]) ** 2 / variance[:, None]
+    distance = np.nansum(distance, axis=2)  # (i, j, settings)
+    information = -np.einsum("i,ig->g", p, np.log(np.einsum("j,ijg->ig", p, np.exp(-distance / 8.0))))
+    found: list[dict[str, Any]] = []
+    for i in np.argsort(-information):
+        pair = _separated(distance[:, :, i], p)
+        entry = {
+            "voltage_v": float(grid.voltage[i]), "frequency_hz": float(grid.frequency[i]),
+            "width_mm": float(grid.width[i] * 1e3), "preload_n": float(_preload(study, grid)[i]), "runs": RUNS,
+            "information_nats": float(max(information[i], 0.0)),
+            "separates": ["+".join(contenders[k]) or "none" for k in pair],
+        }  # fmt: skip
+        if all(
+            entry["frequency_hz"] != f["frequency_hz"] or entry["width_mm"] != f["width_mm"] for f in found
+        ):
+            found.append(entry)
+        if len(found) == SHOWN:
+            break
+    return found
+
+
+def _separated(distance: FloatArray, p: FloatArray) -> tuple[int, int]:
+    """The two contenders whose separation counts most there."""
+    gain = np.outer(p, p) * -np.expm1(-distance / 8.0)
+    i, j = np.unravel_index(int(np.argmax(np.triu(gain, 1))), gain.shape)
+    return int(i), int(j)
+
+
+def _grid(study: Study) -> RunConditions:
+    """All settings worth asking for, as runs: widths that the campaign's substrates have."""
+    runs = study.conditions
+    name = runs.substrate[0]
+    thickness = {round(w * 1e3, 6): t for w, t in zip(runs.width, runs.thickness, strict=True)}
+    substrate = study.inputs.bench.substrates.get(name)
+    if substrate is not None:
+        thickness = {round(w * 1e3, 6): t for w, t in substrate.thickness.items()} | thickness
+    sums = study.inputs.bench.friction.base_kinetic.mean + study.inputs.bench.friction.film_kinetic.mean
+    rows = [(v, f, w * 1e-3, thickness[w], sums * p, p) for v in VOLTAGES for f in FREQUENCIES
+            for w in sorted(thickness) for p in PRELOADS]  # fmt: skip
+    table = np.array(rows)
+    nearest = np.array([int(np.argmin(np.abs(np.log(runs.frequency / f)))) for f in table[:, 1]])
+    n = len(rows)
+    label = tuple(f"setting {i}" for i in range(n))
+    return RunConditions(
+        label, tuple(runs.session[i] for i in nearest), label, (name,) * n, table[:, 0], table[:, 1], table[:, 2],
+        table[:, 3], table[:, 4], np.full(n, np.nan), runs.drive_duration[nearest], runs.dwell[nearest],
+        np.zeros(n),
+    )  # fmt: skip
+
+
+def _preload(study: Study, grid: RunConditions) -> FloatArray:
+    sums = study.inputs.bench.friction.base_kinetic.mean + study.inputs.bench.friction.film_kinetic.mean
+    return grid.friction_before / sums
+
+
+def _predict(study: Study, result: CandidateResult, grid: RunConditions) -> FloatArray:
+    """(channels, settings) on the comparison scale, not-a-number where the model gives none."""
+    named = {name: np.array([entry["mean"]]) for name, entry in result.calibrated.items()}
+    prefixes = {f"{effect}.": effect for effect in result.effects}
+    for prefix in prefixes:
+        # own parameters are stored without their prefix; a name belongs to the effect whose model has it
+        for parameter in study.model(result.effects).parameters.values():
+            short = parameter.name.removeprefix(prefix)
+            if parameter.name.startswith(prefix) and short in result.parameters:
+                named[parameter.name] = np.array([result.parameters[short]["mean"]])
+    return predict_scaled(study.model(result.effects), grid, named, study.data.channels)[0]
+
+
+def _variance(study: Study) -> FloatArray:
+    """(channels,): of a mean over RUNS repeats in one session, tolerance included."""
+    t = study.thresholds
+    typical = {}
+    for channel in study.data.channels:
+        rows = study.data.channel == channel.name
+        single = float(np.median(study.data.noise_sd[rows] ** 2 * study.data.count[rows]))
+        typical[channel.name] = (
+            single / RUNS + t["session_sd"][channel.block] ** 2 + t["tolerance"][channel.block] ** 2
+        )
+    return np.array([typical[c.name] for c in study.data.channels])

@@ -1,0 +1,88 @@
+"""What one hypothesis leaves behind for the verdict: plain numbers that travel as JSON between jobs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from eaclutch.diagnosis.data import DataVector
+from eaclutch.diagnosis.fit import HypothesisFit
+from eaclutch.diagnosis.forward import Forward
+from eaclutch.diagnosis.gate import adequacy, simulate_null
+from eaclutch.diagnosis.gaussian import leave_out
+
+
+@dataclass(frozen=True)
+class CandidateResult:
+    """A weighed hypothesis.
+
+    log_evidence (nats); log_density: by left-out condition; errors_left_out, errors: measured less predicted
+    on the comparison scale, one an entry, without and with the entry's condition in the fit; shift: how far
+    the effect moves each entry; adequate_p: absolute gate with the effect in; parameters: the effect's own;
+    calibrated: {name: {mean, sd, unit, prior_sds}}.
+    """
+
+    effects: tuple[str, ...]
+    log_evidence: float
+    log_density: tuple[float, ...]
+    errors_left_out: tuple[float, ...]
+    errors: tuple[float, ...]
+    shift: tuple[float, ...]
+    adequate_p: float
+    block_p: Mapping[str, float]
+    parameters: Mapping[str, Mapping[str, Any]]
+    calibrated: Mapping[str, Mapping[str, Any]]
+    multipliers: tuple[float, float]
+    converged: bool
+
+    def document(self) -> dict[str, Any]:
+        """JSON-able mapping."""
+        return asdict(self)
+
+    @classmethod
+    def read(cls, document: Mapping[str, Any]) -> CandidateResult:
+        """Inverse of ``document``."""
+        sequences = ("effects", "log_density", "errors_left_out", "errors", "shift", "multipliers")
+        return cls(**{k: tuple(v) if k in sequences else v for k, v in document.items()})
+
+
+def condition_groups(data: DataVector) -> tuple[tuple[str, ...], list[np.ndarray]]:
+    """Names of the conditions and the run entries of each."""
+    names = tuple(dict.fromkeys(c for c in data.condition if c))
+    return names, [np.flatnonzero(data.condition == name) for name in names]
+
+
+def summarise(
+    fitted: HypothesisFit, forward: Forward, data: DataVector, rng: np.random.Generator
+) -> CandidateResult:
+    """Score a fit on left-out conditions and by the absolute gate."""
+    _, groups = condition_groups(data)
+    left = leave_out(fitted.linearised, groups)
+    null = simulate_null(fitted.linearised, fitted.linearised.covariance, rng, campaigns=200)
+    runs = data.condition != ""
+    adequate, blocks = adequacy(fitted.linearised, left, np.where(runs, data.block, ""), null)
+    own, calibrated = {}, {}
+    modes, sds = fitted.laplace.mode, fitted.laplace.sd
+    for i, parameter in enumerate(forward.parameters):
+        entry = {"mean": float(modes[i]), "sd": float(sds[i]), "unit": parameter.unit}
+        if forward.own(parameter.name):
+            own[parameter.name.split(".", 1)[1]] = entry
+        elif "." not in parameter.name:
+            calibrated[parameter.name] = entry | {"prior_sds": float(fitted.laplace.u_mode[i])}
+    return CandidateResult(
+        fitted.effects,
+        fitted.log_evidence,
+        tuple(left.log_density.tolist()),
+        tuple((left.prediction_error @ fitted.linearised.w).tolist()),
+        tuple(fitted.residual.tolist()),
+        tuple(fitted.signature.tolist()),
+        adequate,
+        blocks,
+        own,
+        calibrated,
+        fitted.multipliers,
+        fitted.laplace.converged,
+    )

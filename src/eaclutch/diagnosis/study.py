@@ -1,0 +1,122 @@
+"""One campaign under diagnosis: its data vector, its base fit, and the weighing of hypotheses against it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from eaclutch.diagnosis import bench_channels
+from eaclutch.diagnosis.cells import Cells, cells_of, native_variances
+from eaclutch.diagnosis.channels import CHANNELS
+from eaclutch.diagnosis.covariance import Kernels, kernels
+from eaclutch.diagnosis.data import DataVector, build, estimated_preload
+from eaclutch.diagnosis.fit import HypothesisFit, fit_hypothesis
+from eaclutch.diagnosis.forward import Forward
+from eaclutch.diagnosis.result import CandidateResult, summarise
+from eaclutch.physics.effects import EFFECTS
+from eaclutch.physics.model import ClutchModel
+from eaclutch.physics.prediction import OBSERVABLES
+from eaclutch.records import (
+    Bench,
+    BurstFeatures,
+    CapacitanceReadings,
+    FloatArray,
+    InputError,
+    RunConditions,
+    Spectrum,
+)
+from eaclutch.rig.table import conditions_from_runs
+
+
+@dataclass(frozen=True)
+class DiagnosisInputs:
+    """What a diagnosis starts from.
+
+    table: runs.csv. readings, spectra, bursts: the calibration bench (None or empty where there is none).
+    effects: what the model has switched on; candidates: what may be named (default: all others).
+    model_options: further keywords of ClutchModel (roughness rule, form of the force multiplier).
+    priors: {parameter: (mean, sd)} that replace the built-in ones.
+    """
+
+    bench: Bench
+    table: pd.DataFrame
+    readings: CapacitanceReadings | None
+    spectra: tuple[Spectrum, ...]
+    bursts: BurstFeatures | None
+    effects: tuple[str, ...]
+    candidates: tuple[str, ...] = ()
+    model_options: Mapping[str, Any] | None = None
+    priors: Mapping[str, Sequence[float]] | None = None
+
+
+class Study:
+    """Everything that hypotheses share; built once a job, deterministic."""
+
+    def __init__(self, inputs: DiagnosisInputs, thresholds: Mapping[str, Any], seed: int = 1):
+        self.inputs, self.thresholds, self.seed = inputs, thresholds, seed
+        every = inputs.candidates or tuple(name for name in EFFECTS if name not in inputs.effects)
+        self.candidates = tuple(name for name in every if name not in inputs.effects)
+        self.conditions: RunConditions = conditions_from_runs(inputs.table, inputs.bench)
+        if len(self.conditions) == 0:
+            raise InputError(
+                "runs.csv", "no usable run", "look at its flags and reasons; nothing can be diagnosed"
+            )
+        self.table = inputs.table[inputs.table["run"].isin(self.conditions.run)].reset_index(drop=True)
+        entries = bench_channels.summarise(inputs.readings, inputs.spectra, inputs.bursts, thresholds)
+        rate = inputs.bench.load_cell.stiffness.mean * inputs.bench.stage_speed
+        channels = [c for c in CHANNELS if c.resolvable and c.name in self.table and c.name in OBSERVABLES]
+
+        def data(explained: FloatArray | None = None) -> DataVector:
+            return build(self.table, self.conditions, entries, channels, thresholds, rate, explained)
+
+        first = data()
+        if first.run_entries:
+            channels = list(first.channels)
+            first = data(self._explained(first))
+        self.data = first
+        if self.data.run_entries == 0:
+            raise InputError("runs.csv", "no observable can be compared", "look at its flags and reasons")
+        self.kernels: Kernels = kernels(self.data, thresholds)
+        variances, self.dof = native_variances(self.table, self.data)
+        self.cells: Cells = cells_of(self.data, variances)
+        self.preload = estimated_preload(self.table, self.conditions)
+
+    def model(self, effects: Sequence[str] = ()) -> ClutchModel:
+        """The campaign's model with ``effects`` on top, in the library's order."""
+        chosen = set(self.inputs.effects) | set(effects)
+        names = tuple(name for name in EFFECTS if name in chosen)
+        return ClutchModel(self.inputs.bench, names, **(self.inputs.model_options or {}))
+
+    def _explained(self, first: DataVector) -> FloatArray:
+        """Run-level predictions of the base model after a first fit, (channels, runs)."""
+        forward = Forward(self.model(), first)
+        fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
+        return forward.runs({name: np.array([value]) for name, value in fitted.parameters.items()})[0]
+
+    def generator(self, *stream: int) -> np.random.Generator:
+        """A generator of its own for each purpose: the same whatever else ran before."""
+        return np.random.default_rng([self.seed, *stream])
+
+    @cached_property
+    def base(self) -> HypothesisFit:
+        """The fit of the campaign's own model."""
+        return fit_hypothesis(self.forward(()), self.data, self.kernels, self.thresholds)
+
+    def forward(self, effects: Sequence[str]) -> Forward:
+        return Forward(self.model(effects), self.data, effects)
+
+    def fit(self, effects: Sequence[str]) -> HypothesisFit:
+        """Joint fit with ``effects`` on top of the campaign's model."""
+        if not effects:
+            return self.base
+        return fit_hypothesis(self.forward(effects), self.data, self.kernels, self.thresholds, base=self.base)
+
+    def weigh(self, effects: Sequence[str]) -> CandidateResult:
+        """Fit and score one hypothesis."""
+        fitted = self.fit(effects)
+        return summarise(fitted, self.forward(effects), self.data, self.generator(7))

@@ -1,0 +1,79 @@
+"""From probabilities to words: none, a name, a set that cannot be told apart, or unknown."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from eaclutch.diagnosis.result import CandidateResult
+from eaclutch.diagnosis.weigh import NONE, UNKNOWN
+
+Effects = tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """effects: (), ("unknown",), one name or two; alternatives: sets that cannot be ruled out against it."""
+
+    effects: Effects
+    probability: float
+    alternatives: tuple[Effects, ...]
+    why: str
+
+
+def decide(
+    weights: Mapping[Effects, float],
+    results: Sequence[CandidateResult],
+    thresholds: Mapping[str, Any],
+    notes: Sequence[str] = (),
+) -> Verdict:
+    """The most probable set, with as many further sets as it takes to hold the truth nearly always."""
+    rules = thresholds["verdict"]
+    order = sorted(weights, key=lambda effects: -weights[effects])
+    first = order[0]
+    held = weights[first]
+    alternatives: list[Effects] = []
+    for effects in order[1:]:
+        if held >= rules["set_coverage"] or len(alternatives) + 1 >= rules["set_members"]:
+            break
+        if weights[effects] < rules["smallest_alternative"]:
+            break
+        alternatives.append(effects)
+        held += weights[effects]
+    fitted = {r.effects: r for r in results}
+    sentence = _sentence(first, weights[first], alternatives, fitted, rules, notes)
+    return Verdict(first, weights[first], tuple(alternatives), sentence)
+
+
+def _sentence(
+    first: Effects,
+    probability: float,
+    alternatives: Sequence[Effects],
+    fitted: Mapping[Effects, CandidateResult],
+    rules: Mapping[str, Any],
+    notes: Sequence[str],
+) -> str:
+    if first == NONE:
+        text = "no gap beyond repeatability, session spread and the base laws' tolerance"
+    elif first == UNKNOWN:
+        text = "there is a gap, and a nameless smooth term explains it better than any effect in the library"
+    else:
+        text = f"{in_words(first)} explains the gap best, jointly with the calibrated parameters"
+        if fitted[first].adequate_p < rules["adequate_p_value"]:
+            text += f"; a part remains that it does not explain (p = {fitted[first].adequate_p:.2g})"
+    text += f" (probability {probability:.2f})"
+    if alternatives:
+        text += "; cannot be ruled out: " + "; ".join(in_words(a) for a in alternatives)
+    if notes:
+        text += "; " + "; ".join(notes)
+    return text
+
+
+def in_words(effects: Effects) -> str:
+    """A set of effects as text."""
+    if effects == NONE:
+        return "no effect"
+    if effects == UNKNOWN:
+        return "an effect that the library lacks"
+    return " with ".join(name.replace("_", " ") for name in effects)

@@ -1,0 +1,52 @@
+"""From evidence to probabilities: prior odds, a temperature, both fixed on a development set.
+
+Laplace evidence trusts its own assumptions to the last nat. Another form of the same law, or a base law that is
+a little off, makes it overconfident; dividing log evidence by a temperature above one is the one-parameter
+correction, and the development set says how much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from scipy.special import logsumexp
+
+from eaclutch.diagnosis.result import CandidateResult
+
+NONE: tuple[str, ...] = ()
+UNKNOWN: tuple[str, ...] = ("unknown",)
+
+
+def probabilities(
+    results: Sequence[CandidateResult], nameless_evidence: float, thresholds: Mapping[str, Any]
+) -> dict[tuple[str, ...], float]:
+    """Probability of each weighed set of effects; adds up to one.
+
+    ``results`` hold the base model (no effects) and every single and pair that was fitted.
+    """
+    prior = thresholds["prior"]
+    singles = [r for r in results if len(r.effects) == 1]
+    named = 1.0 - prior["none"] - prior["unknown"]
+    possible_pairs = max(1, len(singles) * (len(singles) - 1) // 2)
+    share = {
+        0: prior["none"],
+        1: named * (1.0 - prior["pair_share"]) / max(1, len(singles)),
+        2: named * prior["pair_share"] / possible_pairs,
+    }
+    keys = [r.effects for r in results] + [UNKNOWN]
+    evidence = np.array([r.log_evidence for r in results] + [nameless_evidence])
+    log_prior = np.log([share[len(r.effects)] for r in results] + [prior["unknown"]])
+    score = evidence / thresholds["temperature"] + log_prior
+    weights = np.exp(score - logsumexp(score))
+    return {key: float(w) for key, w in zip(keys, weights, strict=True)}
+
+
+def by_effect(weights: Mapping[tuple[str, ...], float]) -> dict[str, float]:
+    """Probability of each effect (and of ``unknown`` and ``none``): sum over the sets that hold it."""
+    found: dict[str, float] = {"none": weights.get(NONE, 0.0)}
+    for effects, weight in weights.items():
+        for name in effects:
+            found[name] = found.get(name, 0.0) + weight
+    return found
