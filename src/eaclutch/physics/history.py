@@ -51,7 +51,7 @@ def run_history(
             start["switch_off_force"] = held
         else:  # the run is known to have ended at this force: the hold says so too
             force[(time > stop) & (time <= off)] = start["switch_off_force"]
-        kind, n, level, rest = trace(start, table, tolerance, segments)
+        _, n, level, _ = trace(start, table, tolerance, segments)
         delay = float(row["drive_delay"])
         moving = [force_at(segments, n, t - off - delay, level) if n else level for t in time[after]]
         force[after] = moving

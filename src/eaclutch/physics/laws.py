@@ -6,19 +6,22 @@ same laws through tables (``tables.py``), and the tests hold one against the oth
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
-from numpy.typing import ArrayLike
 from scipy.integrate import quad
 from scipy.special import gamma, ndtr, pbdv
 
 from eaclutch.records import FloatArray, Pad
+
+Quantity = FloatArray | float
 
 VACUUM_PERMITTIVITY = 8.8541878128e-12  # F/m
 AIR_VISCOSITY = 1.85e-5  # Pa s
 GRAVITY = 9.81  # m/s2
 
 
-def force_scale(pad: Pad, width: ArrayLike) -> FloatArray:
+def force_scale(pad: Pad, width: Quantity) -> FloatArray:
     """Q [N m2 / V2] such that the flat-gap force is Q V^2 / (T_d / kappa + h)^2; ``width`` [m]."""
     width = np.asarray(width, dtype=float)
     if pad.type == "parallel_plate":
@@ -26,7 +29,7 @@ def force_scale(pad: Pad, width: ArrayLike) -> FloatArray:
     return VACUUM_PERMITTIVITY * pad.electrodes * pad.electrode_length * width / 8
 
 
-def capacitance_scale(pad: Pad, width: ArrayLike, overlap_length: float | None = None) -> FloatArray:
+def capacitance_scale(pad: Pad, width: Quantity, overlap_length: float | None = None) -> FloatArray:
     """B [F m] such that C = B / (T_d / kappa + h). A comb is two half-combs in series (area / 4 in all);
     for a parallel plate the overlap is the pad's, or ``overlap_length`` [m] on the capacitance fixture."""
     width = np.asarray(width, dtype=float)
@@ -36,23 +39,21 @@ def capacitance_scale(pad: Pad, width: ArrayLike, overlap_length: float | None =
     return VACUUM_PERMITTIVITY * pad.electrodes * pad.electrode_length * width / 4
 
 
-def capacitance(
-    pad: Pad, width: ArrayLike, gap: ArrayLike, kappa: ArrayLike, thickness: ArrayLike
-) -> FloatArray:
+def capacitance(pad: Pad, width: Quantity, gap: Quantity, kappa: Quantity, thickness: Quantity) -> FloatArray:
     """Capacitance [F] of pad and strip at a mean gap [m] (paper eq. for C(T_air))."""
     return capacitance_scale(pad, width) / (np.asarray(thickness) / kappa + gap)
 
 
 def gap_from_capacitance(
-    pad: Pad, width: ArrayLike, capacitance: ArrayLike, kappa: ArrayLike, thickness: ArrayLike
+    pad: Pad, width: Quantity, capacitance: Quantity, kappa: Quantity, thickness: Quantity
 ) -> FloatArray:
     """Mean gap [m] from a capacitance [F]; negative where the reading exceeds the bare film's."""
     return capacitance_scale(pad, width) / np.asarray(capacitance) - np.asarray(thickness) / kappa
 
 
 def permittivity(
-    frequency: ArrayLike, kappa_static: ArrayLike, kappa_infinity: ArrayLike, relaxation_time: ArrayLike,
-    exponent: ArrayLike,
+    frequency: Quantity, kappa_static: Quantity, kappa_infinity: Quantity, relaxation_time: Quantity,
+    exponent: Quantity,
 ) -> FloatArray:  # fmt: skip
     """Real part of the Cole-Cole permittivity (Cole & Cole 1941, doi:10.1063/1.1750906) at ``frequency`` [Hz]."""
     spread = (2j * np.pi * np.asarray(frequency) * relaxation_time) ** exponent
@@ -70,12 +71,12 @@ def mittag_leffler(exponent: float, y: float) -> float:
 
     peak = max(-cosine, 0.5)
     edges = [0.0, 0.5 * peak, peak, 2.0 * peak, 20.0]
-    parts = [quad(density, a, b, epsabs=0, epsrel=1e-12, limit=400)[0] for a, b in zip(edges, edges[1:])]
+    parts = [quad(density, a, b, epsabs=0, epsrel=1e-12, limit=400)[0] for a, b in pairwise(edges)]
     parts.append(quad(density, 20.0, np.inf, epsabs=1e-16, limit=400)[0])
     return float(sine / (np.pi * exponent) * sum(parts))
 
 
-def greenwood_williamson(x: ArrayLike) -> FloatArray:
+def greenwood_williamson(x: Quantity) -> FloatArray:
     """G(x) = integral over s > x of (s - x)^1.5 phi(s) ds, through the parabolic cylinder function
     D_{-5/2} (DLMF 12.5.1): valid on both sides of x = 0, G(0) = 0.430 (Greenwood & Williamson 1966)."""
     x = np.asarray(x, dtype=float)
@@ -83,7 +84,7 @@ def greenwood_williamson(x: ArrayLike) -> FloatArray:
 
 
 def contact_force(
-    gap: ArrayLike, stiffness: ArrayLike, roughness: ArrayLike, length: ArrayLike, width: ArrayLike
+    gap: Quantity, stiffness: Quantity, roughness: Quantity, length: Quantity, width: Quantity
 ) -> FloatArray:
     """F_k [N] = k L w sigma^1.5 G(h / sigma)."""
     roughness = np.asarray(roughness, dtype=float)
@@ -107,22 +108,22 @@ def roughness_average(
     high = max(film + gap, low) + 12 * roughness
     centre = min(max(film + gap, 1.0001 * low), 0.999 * high)
     edges = np.unique(np.log([low, np.sqrt(low * centre), centre, np.sqrt(centre * high), high]))
-    total = sum(quad(integrand, a, b, epsabs=0, epsrel=1e-12, limit=400)[0] for a, b in zip(edges, edges[1:]))
+    total = sum(quad(integrand, a, b, epsabs=0, epsrel=1e-12, limit=400)[0] for a, b in pairwise(edges))
     average = total / (roughness * np.sqrt(2 * np.pi))
     if rule == "clamped":
         average += float(ndtr(-gap / roughness)) / film**2
     return float(average)
 
 
-def squeeze_film_coefficient(length: ArrayLike, width: ArrayLike) -> FloatArray:
+def squeeze_film_coefficient(length: Quantity, width: Quantity) -> FloatArray:
     """c [N s m2] such that F_b = -c / h^3 dh/dt (Griffin et al. 1966, doi:10.1115/1.3645838)."""
     short, long = np.minimum(length, width), np.maximum(length, width)
     return 96 * AIR_VISCOSITY * short**3 * long / np.pi**4
 
 
 def base_preload(
-    friction_before: ArrayLike, film_kinetic: ArrayLike, base_kinetic: ArrayLike, substrate_mass: ArrayLike,
-    film_mass: ArrayLike,
+    friction_before: Quantity, film_kinetic: Quantity, base_kinetic: Quantity, substrate_mass: Quantity,
+    film_mass: Quantity,
 ) -> FloatArray:  # fmt: skip
     """F_pre [N] from the friction before the voltage (paper eq. for F_preload); may come out negative."""
     weight = GRAVITY * (np.asarray(base_kinetic) * substrate_mass + np.asarray(film_kinetic) * film_mass)

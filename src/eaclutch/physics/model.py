@@ -82,7 +82,6 @@ class ClutchModel:
                     f"observable {name}", "the model cannot predict it", f"choose of {', '.join(PART)}"
                 )
         table, bad = self.rows(conditions, parameters or {}, on_invalid)
-        draws, runs = table.shape
         out, status = self._simulate(table, {PART[name] for name in wanted})
         out[bad], status[bad] = np.nan, Status.invalid
         result = {name: out[..., i] for i, name in enumerate(RESULTS)}
@@ -112,16 +111,24 @@ class ClutchModel:
             clamped = self.roughness_rule == "clamped"
             table = rows.fill_rows(self.bench, conditions, values, sockets, self.force_multiplier_form, clamped,
                                    self.roughness_cut, draws)  # fmt: skip
-        unphysical = (
-            (table["force_scale"] <= 0) | (table["thinning_ratio"] >= 0.9) | (table["kappa_driven"] < 0.5)
+        limits = (
+            (
+                "force_scale",
+                table["force_scale"] <= 0,
+                "the force multiplier must stay positive at every voltage",
+            ),
+            ("thinning_ratio", table["thinning_ratio"] >= 0.9, "the film may thin by less than 90 %"),
+            ("kappa_driven", table["kappa_driven"] < 0.5, "the permittivity must stay above that of vacuum"),
         )
-        if unphysical.any():
+        for name, unphysical, remedy in limits:
+            if not unphysical.any():
+                continue
             if on_invalid == "error":
-                raise InputError("parameters", "the force multiplier or the film's thickness or permittivity under "
-                                 "voltage is not positive", "choose parameters within the effects' validity")  # fmt: skip
+                raise InputError(f"socket {name}", f"value {table[name][unphysical].flat[0]:g}", remedy)
             bad |= unphysical
-            table["force_scale"][unphysical] = table["force_scale"][~unphysical].max(initial=1e-20)
-            table["thinning_ratio"][unphysical], table["kappa_driven"][unphysical] = 0.0, 50.0
+            table[name][unphysical] = {"force_scale": 1e-20, "thinning_ratio": 0.0, "kappa_driven": 50.0}[
+                name
+            ]
         return table, bad
 
     def _simulate(self, table: NDArray[np.void], parts: set[str]) -> tuple[FloatArray, NDArray[np.int8]]:

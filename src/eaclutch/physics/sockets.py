@@ -34,7 +34,8 @@ class Sockets:
     )
     force_factor: FloatArray | float = 1.0  # multiplies F_ea beside force_multiplier
     residual_fraction: FloatArray | float = (
-        0.0  # residual field: V_res = fraction V0 exp(-t / residual_decay_time)
+        0.0  # residual field: V_res = fraction V0 exp(-t / residual_decay_time), at the driven kappa; the rest of
+        # V0^2, (1 - fraction^2), falls with the drive, so the force is continuous at switch-off
     )
     residual_decay_time: FloatArray | float = 1.0  # s
     # contact
@@ -48,10 +49,9 @@ class Sockets:
     damping_factor: FloatArray | float = 0.0  # multiplies the squeeze-film coefficient; 0 = no squeeze film
     slip_length: FloatArray | float = 0.0  # m; F_b = -c / (h^2 (h + 6 slip_length)) dh/dt
     film_spring: FloatArray | float = 0.0  # N/m; carries film_spring * (h_before - h) of the load
-    preload_carried: FloatArray | float = 0.0  # fraction of F_pre that never reaches the contact
     # friction
     friction_factor: FloatArray | float = (
-        1.0  # multiplies all four coefficients once the voltage is on (not F_pre's)
+        1.0  # multiplies all four coefficients throughout (the preload follows from the same friction)
     )
     side_friction: FloatArray | float = 0.0  # N kinetic, beside base and film, while sliding
     side_friction_static: FloatArray | float = 0.0  # N static
@@ -60,6 +60,7 @@ class Sockets:
         1.0  # multiplies the static coefficients at switch-off (rest = dwell)
     )
     static_factor_ramp: FloatArray | float = 1.0  # multiplies them during the driven ramp
+    # (the friction before is measured at stage speed: the preload accounts for the factor there)
     weakening_depth: FloatArray | float = 0.0  # mu_k -> mu_k (1 - depth (1 - exp(-|v| / weakening_speed)))
     weakening_speed: FloatArray | float = 1.0  # m/s
     # load train

@@ -22,7 +22,7 @@ from eaclutch.records import FloatArray
 
 
 class Tables(NamedTuple):
-    """contact: (points, 2) log G and its x-derivative; roughness: (rows, columns, 4); relaxation: (rows, columns, 4)."""
+    """contact: (points, 2) log G and its x-derivative; roughness, relaxation: (rows, columns, 4)."""
 
     contact: FloatArray
     roughness: FloatArray

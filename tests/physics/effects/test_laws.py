@@ -65,8 +65,8 @@ CASES = {
     ),
     "gas_slip": ({"mean_free_path": 1e-6}, {"slip_length": 1e-6}),
     "film_tension": (
-        {"stiffness": 1e7, "preload_share": 0.2},
-        {"film_spring": 5.55e5, "preload_carried": 0.2},
+        {"stiffness": 1e7},
+        {"film_spring": 5.55e5},
     ),
     # exp(0.75 * 0.2) on the force, exp(0.25 * 0.2) on friction, in the second session only
     "session_drift": (

@@ -1,5 +1,6 @@
 """Film tension: the film is clamped beside the strip; pulled towards it by h_before - h it answers with a spring
-force s (h_before - h), s proportional to the overlap length, and it can carry part of the preload from the start."""
+force s (h_before - h), s proportional to the overlap length. What part of the preload it carries from the start
+cannot be seen: the preload is known from the friction before, which only feels what reaches the strip."""
 
 from __future__ import annotations
 
@@ -13,10 +14,9 @@ from eaclutch.records import FloatArray
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """film_spring = s' L_s and preload_carried."""
+    """film_spring = s' L_s."""
     return sockets.with_(
-        film_spring=sockets.film_spring + values["stiffness"] * inputs.bench.pad.overlap_length,
-        preload_carried=values["preload_share"],
+        film_spring=sockets.film_spring + values["stiffness"] * inputs.bench.pad.overlap_length
     )
 
 
@@ -36,15 +36,6 @@ EFFECT = Effect(
             neutral=0.0,
             description="restoring force per gap closed and overlap length",
         ),
-        Parameter(
-            "preload_share",
-            "1",
-            (0.0, 0.9),
-            0.0,
-            Prior("halfnormal", 0.3),
-            neutral=0.0,
-            description="share of the preload that the film carries past the contact",
-        ),
     ),
     reference=(
         "Rauf & Follmer, Extreme Mechanics Letters 79 (2025) 102382, doi:10.1016/j.eml.2025.102382 (clamped "
@@ -54,6 +45,5 @@ EFFECT = Effect(
     apply=apply,
     draw=lambda rng: {
         "stiffness": float(np.exp(rng.uniform(np.log(2e6), np.log(5e7)))),
-        "preload_share": rng.uniform(0.0, 0.4),
     },
 )

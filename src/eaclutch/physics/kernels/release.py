@@ -49,7 +49,7 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
     state = np.empty(4)
     state[0], state[1], state[2], state[3] = STUCK, switch_off / stiffness, 0.0, 0.0
     kinetic, static = np.empty(4), np.empty(4)
-    lift_end, lift_slope = contact(p, gap_before, tables)
+    lift_end, _ = contact(p, gap_before, tables)
     static_end, kinetic_end = _frictions(p, lift_end, p.substrate_weight + load)
     static_end = max(static_end, kinetic_end + p.side_friction)
     dynamic = p.load_cell_dynamic != 0.0
@@ -105,9 +105,8 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
         t, h, v, lift, lift_rate, inertia = t + dt, new_h, new_v, new_lift, new_rate, new_inertia
         if t >= END * (1.0 - 1e-12):
             break
-        if dynamic and int(state[MODE]) == STUCK and t > 0.0 and stiffness * state[X] <= static_end:
-            if int(state[COUNT]) > 0:
-                break  # friction only falls from here on: it rests for good
+        if dynamic and int(state[MODE]) == STUCK and state[COUNT] > 0 and stiffness * state[X] <= static_end:
+            break  # friction only falls from here on: it rests for good
         if settled and not dynamic:
             break
         if not settled:

@@ -58,7 +58,7 @@ def rest_before(p, tables):
     total, attraction = max(load, least), 0.0
     gap = gap_at_load(p, total, tables)
     for _ in range(100):  # damped fixed point: the attraction is a small part of the friction
-        attraction, slope = adhesion(p, gap)
+        attraction, _ = adhesion(p, gap)
         new_load = max(load - film * attraction / (base + film), least)
         new_gap = gap_at_load(p, new_load + attraction, tables)
         change = new_gap - gap
