@@ -1,4 +1,4 @@
-"""The plan of a capture session: conditions x repeats, in a seeded random order within blocks, within the rig's limits."""
+"""The plan of a capture session: conditions x repeats in a seeded random order, within the rig's limits."""
 
 from __future__ import annotations
 
@@ -109,7 +109,12 @@ def _conditions(full: Mapping[str, Any]) -> list[dict[str, Any]]:
         crossed = itertools.product(*({**levels, **full["factors"]}[name] for name in names))
         listed += [dict(zip(names, combination, strict=True)) for combination in crossed]
     for condition in (*listed, *full["conditions"]):
-        complete = {"preload_g": -1.0, "substrate": full["substrate"], "repeats": full["repeats"], **condition}
+        complete = {
+            "preload_g": -1.0,
+            "substrate": full["substrate"],
+            "repeats": full["repeats"],
+            **condition,
+        }
         key = tuple(complete[name] for name in levels)
         before = found.get(key)
         if before is None or complete["repeats"] > before["repeats"]:
@@ -118,7 +123,11 @@ def _conditions(full: Mapping[str, Any]) -> list[dict[str, Any]]:
 
 
 def _within_limits(
-    conditions: Sequence[Mapping[str, Any]], full: Mapping[str, Any], command: Command, timing: Timing, where: object
+    conditions: Sequence[Mapping[str, Any]],
+    full: Mapping[str, Any],
+    command: Command,
+    timing: Timing,
+    where: object,
 ) -> None:
     rig = full["rig"]
     for condition in conditions:
@@ -128,11 +137,14 @@ def _within_limits(
                 raise InputError(f"{where}, {key}", what, "lower it")
     for key, limit in (("travel_mm", "travel_max_mm"), ("speed_mm_s", "speed_max_mm_s")):
         if full[key] > rig[limit]:
-            raise InputError(f"{where}, {key}", f"{full[key]:g} is beyond the rig's {limit} of {rig[limit]:g}", "lower it")
+            raise InputError(
+                f"{where}, {key}", f"{full[key]:g} is beyond the rig's {limit} of {rig[limit]:g}", "lower it"
+            )
     command.encode()
     samples = command.samples(timing)
     if samples > rig["samples_max"]:
-        what = f"a run of {command.recording_duration(timing):g} s has {samples} samples, the rig holds {rig['samples_max']}"
+        duration = command.recording_duration(timing)
+        what = f"a run of {duration:g} s has {samples} samples, the rig holds {rig['samples_max']}"
         raise InputError(f"{where}, travel_mm", what, "travel less far or faster")
 
 
@@ -141,7 +153,12 @@ def _ordered(
 ) -> list[tuple[Mapping[str, Any], int]]:
     """Runs in random order within nested blocks of random order; repeats of a condition in rising order."""
     most = max(condition["repeats"] for condition in conditions)
-    runs = [(condition, repeat) for repeat in range(most) for condition in conditions if repeat < condition["repeats"]]
+    runs = [
+        (condition, repeat)
+        for repeat in range(most)
+        for condition in conditions
+        if repeat < condition["repeats"]
+    ]
     shuffled = _shuffled(runs, list(block_by), rng)
     met: dict[int, int] = {}
     ordered = []

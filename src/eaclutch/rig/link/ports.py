@@ -63,4 +63,4 @@ def _candidates(port: str | None) -> list[str]:
             and usb["serial"] in (None, found.serial_number)
         )
     # a pattern is the operator's own; a plain path is its own only match
-    return sorted(glob.glob(port))
+    return sorted(glob.glob(port))  # noqa: PTH207 (absolute patterns are what it is for)

@@ -37,7 +37,7 @@ class Timing:
 
 @dataclass(frozen=True)
 class BenchSetting:
-    """What the operator sets by hand: supply, second microcontroller, substrate, weight (SI; preload None = not set)."""
+    """What the operator sets by hand: supply, frequency, substrate, weight (SI; preload None = not set)."""
 
     voltage: float
     frequency: float

@@ -146,7 +146,9 @@ def _let_the_rig_finish(store: CampaignStore, link: SerialLink) -> None:
 def _recording(slot: Slot, name: str, started: datetime, transfer: Transfer) -> Recording:
     columns: Columns = transfer.columns
     settings = slot.settings(datetime.strptime(name[:17], "%Y%m%d_%H_%M_%S"))
-    return Recording(settings, columns.time_us * 1e-6, columns.force, columns.flag, columns.voltage, transfer.repairs)
+    return Recording(
+        settings, columns.time_us * 1e-6, columns.force, columns.flag, columns.voltage, transfer.repairs
+    )
 
 
 def _record(

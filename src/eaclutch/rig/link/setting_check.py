@@ -15,7 +15,9 @@ _FREQUENCY_TOLERANCE = 0.2
 _SHORTEST_DRIVE = 5.0  # periods
 
 
-def check_setting(columns: Columns, setting: BenchSetting, voltage_tolerance: float) -> dict[str, float | None]:
+def check_setting(
+    columns: Columns, setting: BenchSetting, voltage_tolerance: float
+) -> dict[str, float | None]:
     """Sensed amplitude [V] and drive frequency [Hz], None where they cannot be told.
 
     Raises TransferFault ``wrong_voltage`` or ``wrong_frequency``: the run is sound but another condition's.
@@ -28,15 +30,23 @@ def check_setting(columns: Columns, setting: BenchSetting, voltage_tolerance: fl
     if high.any():
         found["sensed_voltage_v"] = amplitude = float(np.median(sensed[high]))
         if abs(amplitude - setting.voltage) > voltage_tolerance * setting.voltage:
-            raise TransferFault("wrong_voltage", f"{amplitude:.0f} V are sensed, the plan says {setting.voltage:g} V")
+            raise TransferFault(
+                "wrong_voltage", f"{amplitude:.0f} V are sensed, the plan says {setting.voltage:g} V"
+            )
     elif setting.voltage > 2 * SENSED_HIGH and duration > 1.5 / setting.frequency:
         # slower than this, the sensed electrode may be the one at ground all the time
         raise TransferFault("wrong_voltage", f"no voltage is sensed, the plan says {setting.voltage:g} V")
     slowest, fastest = _FREQUENCIES
-    if high.any() and slowest <= setting.frequency <= fastest and duration * setting.frequency >= _SHORTEST_DRIVE:
+    if (
+        high.any()
+        and slowest <= setting.frequency <= fastest
+        and duration * setting.frequency >= _SHORTEST_DRIVE
+    ):
         rises = np.flatnonzero(np.diff(high.astype(int)) > 0)
         if len(rises) < 3:
-            raise TransferFault("wrong_frequency", f"the voltage does not alternate, the plan says {setting.frequency:g} Hz")
+            raise TransferFault(
+                "wrong_frequency", f"the voltage does not alternate, the plan says {setting.frequency:g} Hz"
+            )
         span = (rises[-1] - rises[0]) / len(high) * duration
         found["sensed_frequency_hz"] = frequency = float((len(rises) - 1) / span)
         if abs(frequency - setting.frequency) > _FREQUENCY_TOLERANCE * setting.frequency:

@@ -97,7 +97,13 @@ class CampaignStore:
         write_log(recording, log)
         if digest(columns_of(read_log(log))) != digest(columns_of(recording)):
             raise InputError(log, "does not read back as it was sent", "check the disk")
-        full = {**record, "run": name, "log": log.name, "bytes": log.stat().st_size, "log_sha256": sha256(log)}
+        full = {
+            **record,
+            "run": name,
+            "log": log.name,
+            "bytes": log.stat().st_size,
+            "log_sha256": sha256(log),
+        }
         write_json(self._staging / f"{name}.json", full)
         sync_folder(self._staging)
         return self._publish(name)
@@ -132,17 +138,18 @@ class CampaignStore:
         for folder in ("tensile", "capture"):
             (self.campaign / folder).mkdir(exist_ok=True)
         target = self.campaign / "tensile" / log.name
-        final_record = self.campaign / "capture" / record.name
         if log.exists():
             if any((self.campaign / "tensile" / f"{name}{extension}").exists() for extension in EXTENSIONS):
-                raise InputError(target, "the run is there already", f"an existing run is never replaced: move {log}")
+                raise InputError(
+                    target, "the run is there already", f"an existing run is never replaced: move {log}"
+                )
             copy = self._staging / f".{record.name}"
             copy.write_bytes(record.read_bytes())
             with copy.open("rb") as stream:
                 os.fsync(stream.fileno())
-            os.rename(copy, self.campaign / "capture" / record.name)
+            copy.rename(self.campaign / "capture" / record.name)
             sync_folder(self.campaign / "capture")
-            os.rename(log, target)
+            log.rename(target)
             sync_folder(target.parent)
         record.unlink()
         return target

@@ -20,7 +20,9 @@ def plan_from_suggestions(
     where = f"diagnosis of {diagnosis.get('campaign', '?')}"
     suggestions = diagnosis.get("next_experiment") or []
     if not suggestions:
-        raise InputError(where, "suggests no experiment", "its verdict stands, or the data cannot tell: see `why`")
+        raise InputError(
+            where, "suggests no experiment", "its verdict stands, or the data cannot tell: see `why`"
+        )
     conditions = []
     for suggestion in suggestions:
         try:
