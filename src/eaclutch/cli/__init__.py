@@ -6,7 +6,7 @@ import importlib
 import logging
 import pkgutil
 import sys
-from collections.abc import Mapping
+from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -17,22 +17,32 @@ _LOG_FORMAT = "%(asctime)s %(levelname)s %(message)s"
 
 
 class _Commands(click.Group):
-    """All commands of the modules in this folder; a module is imported only when a command is looked up."""
+    """All commands of the modules in this folder.
 
-    def _found(self) -> Mapping[str, click.Command]:
-        if not self.commands:
-            for module in pkgutil.iter_modules(__path__):
-                for command in importlib.import_module(f"{__name__}.{module.name}").COMMANDS:
-                    if command.name in self.commands:
-                        raise ImportError(f"two commands are named {command.name}")
-                    self.add_command(command)
-        return self.commands
+    Modules that name the wanted command are imported first and the rest only when it is not there: most commands
+    do not need what the others import.
+    """
+
+    def _modules(self, name: str = "") -> list[str]:
+        folder = Path(__file__).parent
+        words = (f'"{name}"', f"def {name.replace('-', '_')}(")
+        found = [module.name for module in pkgutil.iter_modules(__path__)]
+        texts = {module: (folder / f"{module}.py").read_text(encoding="utf-8") for module in found}
+        return sorted(found, key=lambda module: (not any(word in texts[module] for word in words), module))
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return sorted(self._found())
+        return sorted(command.name or "" for module in self._modules() for command in _commands(module))
 
     def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
-        return self._found().get(name)
+        for module in self._modules(name):
+            for command in _commands(module):
+                if command.name == name:
+                    return command
+        return None
+
+
+def _commands(module: str) -> Sequence[click.Command]:
+    return importlib.import_module(f"{__name__}.{module}").COMMANDS
 
 
 @click.command(cls=_Commands)
