@@ -11,6 +11,7 @@ include: "workflow/rules/posterior.smk"
 include: "workflow/rules/predict.smk"
 include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/studies.smk"
 
 
 wildcard_constraints:

@@ -13,6 +13,7 @@ from eaclutch.studies.finite_elements import CrossSection, solve_field
 
 PERMITTIVITIES = (3.0, 50.0)
 GAPS_UM = (1.0, 2.0, 5.0, 10.0, 20.0)
+EXAMPLE_GAP = 5e-6  # m
 SUBSTRATE_PERMITTIVITIES = (1.0, 2.0, 3.0, 3.51, 4.0, 10.0, 30.0, 100.0, 300.0, 1000.0)
 
 
@@ -66,7 +67,7 @@ def insulator_table(pad: Pad, voltage: float, permittivity: float = 50.0, gap: f
     return pd.DataFrame(rows)
 
 
-def example_fields(pad: Pad, voltage: float, gap: float = 5e-6) -> dict[str, FieldSolution]:
+def example_fields(pad: Pad, voltage: float, gap: float = EXAMPLE_GAP) -> dict[str, FieldSolution]:
     """Fields to look at: films of permittivity 3 and 50 on metal, and 50 on two insulators."""
     cases: dict[str, tuple[float, float | None]] = {
         "film 3 on metal": (3.0, None),

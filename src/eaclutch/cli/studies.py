@@ -1,0 +1,67 @@
+"""Design maps, the paper's numbers, and the finite-element check."""
+
+from __future__ import annotations
+
+import json
+import logging
+from pathlib import Path
+
+import click
+
+from eaclutch.files import write_csv, write_text
+
+_FOLDER = click.Path(file_okay=False, path_type=Path)
+_FILE = click.Path(dir_okay=False, path_type=Path)
+_settings = click.option("--settings", required=True, help="The config's parts as JSON.")
+_page = click.option("--page", type=_FILE, required=True, help="The page to write.")
+
+
+@click.command("fea")
+@click.option("--campaign", type=_FOLDER, required=True, help="The campaign whose pad is solved.")
+@click.option("--voltage", type=float, default=300.0, show_default=True, help="Applied voltage [V].")
+@click.option("--table", type=_FILE, required=True, help="Pressures by both ways to write (csv).")
+@click.option("--insulators", type=_FILE, required=True, help="Insulating substrates to write (csv).")
+@_page
+def fea(campaign: Path, voltage: float, table: Path, insulators: Path, page: Path) -> None:
+    """Finite elements against the analytic pressure, and insulating substrates."""
+    from eaclutch.config import load_bench
+    from eaclutch.reporting.field_page import field_page
+    from eaclutch.studies.field_study import EXAMPLE_GAP, conductor_table, example_fields, insulator_table
+
+    logging.getLogger("skfem").setLevel(logging.WARNING)  # it reports every assembly
+    pad = load_bench(campaign).pad
+    conductor, insulator = conductor_table(pad, voltage), insulator_table(pad, voltage)
+    write_csv(table, conductor)
+    write_csv(insulators, insulator)
+    fields = example_fields(pad, voltage)
+    write_text(page, field_page(conductor, insulator, fields, pad.film_thickness, EXAMPLE_GAP, voltage))
+
+
+@click.command("sweep")
+@click.option("--campaign", type=_FOLDER, required=True, help="The campaign whose bench is varied.")
+@click.option("--results", type=_FOLDER, required=True, help="Its results, for the posteriors.")
+@_settings
+@click.option("--seed", type=int, required=True, help="Seed of the draws.")
+@click.option("--table", type=_FILE, required=True, help="All maps to write (csv).")
+@_page
+def sweep(campaign: Path, results: Path, settings: str, seed: int, table: Path, page: Path) -> None:
+    """Design maps with the posterior's band, and the probability of meeting limits."""
+    import numpy as np
+
+    from eaclutch.config import load_bench
+    from eaclutch.inference.draws import load_draws
+    from eaclutch.reporting.map_page import map_page
+    from eaclutch.studies.maps import draw_maps, limits_of, maps_table
+
+    config = json.loads(settings)
+    bench = load_bench(campaign)
+    rng = np.random.default_rng(seed)
+    draws = load_draws(results / "posterior", config["sweep"]["draws"], rng)
+    maps = draw_maps(bench, config, draws)
+    write_csv(table, maps_table(maps, config["sweep"]))
+    asked = config["sweep"]
+    drawn = [(entry.pad, entry.map) for entry in maps]
+    write_text(page, map_page(drawn, limits_of(asked), asked["limits"], asked["design"], bench.name))
+
+
+COMMANDS: list[click.Command] = [fea, sweep]

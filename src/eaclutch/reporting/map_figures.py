@@ -1,0 +1,76 @@
+"""Pictures of design maps."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from eaclutch.records import FloatArray
+from eaclutch.reporting.drawing import Picture, canvas, picture
+
+SHOWN = {
+    "engagement_time_s": ("engagement (µs)", 1e6),
+    "release_time_90_s": ("release (ms)", 1e3),
+    "shear_capacity_n": ("shear capacity (N)", 1.0),
+}
+AXIS = {
+    "voltage_v": "voltage (V)",
+    "frequency_hz": "drive frequency (Hz)",
+    "width_mm": "substrate width (mm)",
+    "preload_n": "preload (N)",
+    "film_thickness_um": "film thickness (µm)",
+    "overlap_length_mm": "overlap length (mm)",
+    "drive_time_us": "rise and fall time (µs)",
+    "electrodes": "electrodes",
+}
+
+
+def map_picture(
+    name: str, axes_of: tuple[str, str], x: FloatArray, y: FloatArray, quantiles: Mapping[str, FloatArray]
+) -> Picture:
+    """Medians as colours with contour lines, a panel an observable; hatched: no value in most draws.
+
+    ``quantiles[observable]``: (3, y, x), the 5, 50 and 95 % levels. The caption states the half-widths of the band.
+    """
+    with canvas(height=3.4, columns=3, width=11) as (figure, panels):
+        bands = []
+        for panel, (observable, (label, scale)) in zip(panels, SHOWN.items(), strict=True):
+            low, median, high = quantiles[observable] * scale
+            panel.grid(False)
+            panel.set_facecolor("#e4e7ec")
+            if np.isfinite(median).any():
+                shown = panel.pcolormesh(x, y, median, cmap="cividis", shading="nearest")
+                figure.colorbar(shown, ax=panel)
+                lines = panel.contour(x, y, median, levels=6, colors="white", linewidths=0.7)
+                panel.clabel(lines, fontsize=7, fmt="%.3g")
+                bands.append(
+                    f"{label.split(' (')[0]} ±{100 * np.nanmedian((high - low) / (2 * median)):.0f} %"
+                )
+            else:
+                panel.text(0.5, 0.5, "no value here", transform=panel.transAxes, ha="center")
+            panel.set(title=label, xlabel=AXIS[axes_of[0]], ylabel=AXIS[axes_of[1]])
+        text = (
+            f"Medians over {AXIS[axes_of[0]]} and {AXIS[axes_of[1]]}; grey: no value in most draws. "
+            f"Typical half-width of the 90 % band: {', '.join(bands)}."
+        )
+        return picture(figure, name, f"Maps over {axes_of[0]} and {axes_of[1]}", text)
+
+
+def probability_picture(
+    name: str, axes_of: tuple[str, str], x: FloatArray, y: FloatArray, probability: FloatArray, limits: str
+) -> Picture:
+    """Probability over the map that a design meets the stated limits."""
+    with canvas(height=3.4) as (figure, panel):
+        panel.grid(False)
+        shown = panel.pcolormesh(x, y, probability, cmap="cividis", shading="nearest", vmin=0, vmax=1)
+        figure.colorbar(shown, ax=panel, label="probability")
+        panel.set(xlabel=AXIS[axes_of[0]], ylabel=AXIS[axes_of[1]])
+        best = np.unravel_index(np.argmax(probability), probability.shape)
+        text = (
+            f"Probability that {limits}. Largest: {probability[best]:.2f} at {AXIS[axes_of[0]]} {x[best[1]]:.3g}, "
+            f"{AXIS[axes_of[1]]} {y[best[0]]:.3g}."
+        )
+        return picture(
+            figure, name, f"Probability of meeting the limits over {axes_of[0]} and {axes_of[1]}", text
+        )

@@ -1,0 +1,42 @@
+# Designs and the rest of the paper: maps from the posteriors, the paper's numbers, the finite-element check.
+
+
+rule sweep:
+    input:
+        posteriors=expand(results("posterior/{stage}.nc"), stage=STAGES),
+        summary=results("posterior/summary.json"),
+    output:
+        table=results("sweep/maps.csv"),
+        page=results("sweep/report.html"),
+    log:
+        log_of("sweep"),
+    params:
+        campaign=CAMPAIGN,
+        results=RESULTS,
+        bench=bench(),
+        settings=settings("model", "sweep"),
+        seed=seed("sweep"),
+        code=code("studies.maps", "reporting.map_page", effects=EFFECTS_ON),
+    message:
+        "sweep: design maps"
+    shell:
+        "eaclutch --log {log} sweep --campaign {params.campaign:q} --results {params.results:q}"
+        " --settings {params.settings:q} --seed {params.seed} --table {output.table:q} --page {output.page:q}"
+
+
+rule fea:
+    output:
+        table=results("fea/pressure.csv"),
+        insulators=results("fea/insulators.csv"),
+        page=results("fea/report.html"),
+    log:
+        log_of("fea"),
+    params:
+        campaign=CAMPAIGN,
+        bench=bench("pad"),
+        code=code("studies.field_study", "reporting.field_page"),
+    message:
+        "fea: finite elements against the analytic pressure"
+    shell:
+        "eaclutch --log {log} fea --campaign {params.campaign:q} --table {output.table:q}"
+        " --insulators {output.insulators:q} --page {output.page:q}"
