@@ -25,7 +25,7 @@ rule report:
         results=RESULTS,
         config=json.dumps(CONFIG, sort_keys=True),
         bench=bench(),
-        code=code("cli.reporting"),
+        code=code("reporting.page", "reporting.results"),
     message:
         "report: one page"
     shell:

@@ -1,0 +1,138 @@
+"""The report: one self-contained page, verdict first."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from eaclutch.provenance import commit, versions
+from eaclutch.reporting import sentences
+from eaclutch.reporting.bench_figures import bench_figures
+from eaclutch.reporting.diagnosis_figures import (
+    by_observable_figure,
+    closure_figure,
+    hypotheses_figure,
+    where_figures,
+)
+from eaclutch.reporting.drawing import Picture
+from eaclutch.reporting.posterior_figures import corner_figure, trace_figure
+from eaclutch.reporting.prediction_figures import coverage_figure, prediction_figures
+from eaclutch.reporting.results import Results
+from eaclutch.reporting.thumbnails import HEIGHT, WIDTH, thumbnails
+from eaclutch.reporting.words import effect_words, measured, number, observable_words, percent
+
+_TEMPLATES = Path(__file__).parent / "templates"
+
+
+@dataclass(frozen=True)
+class ParameterRow:
+    """A calibrated parameter as the table shows it."""
+
+    stage: str
+    name: str
+    value: str
+    unit: str
+    r_hat: str
+    effective: str
+    prior_sd: str
+    converged: bool | None
+    source: str
+
+
+def render(results: Results, config: Mapping[str, Any]) -> str:
+    """The page as HTML; all text from the campaign is escaped."""
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters |= {
+        "number": number,
+        "percent": percent,
+        "observable": observable_words,
+        "effects": effect_words,
+    }
+    diagnosis = results.diagnosis
+    return environment.get_template("report.html.j2").render(
+        style=Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8")),
+        results=results,
+        diagnosis=diagnosis,
+        sentence=sentences.verdict_sentence(diagnosis),
+        caveats=sentences.caveats(results),
+        where=sentences.where_sentences(diagnosis),
+        absorbed=sentences.absorption_sentences(diagnosis),
+        level=_level(diagnosis),
+        gap_pictures=_some(
+            closure_figure(diagnosis), hypotheses_figure(diagnosis), by_observable_figure(diagnosis)
+        ),
+        where_pictures=where_figures(results),
+        predictions=_some(*prediction_figures(results), coverage_figure(results)),
+        parameters=_parameters(results.summary),
+        corners=_some(*(corner_figure(stage, draws) for stage, draws in results.draws.items())),
+        traces=_some(*(trace_figure(stage, draws) for stage, draws in results.draws.items())),
+        stage_notes={stage: draws.notes for stage, draws in results.draws.items() if draws.notes},
+        benches=bench_figures(results),
+        thumbnails=thumbnails(results),
+        thumbnail_size=(WIDTH, HEIGHT),
+        unused=_unused(results),
+        config=json.dumps(
+            {**config, "campaign": Path(config.get("campaign", results.name)).name}, indent=1, sort_keys=True
+        ),
+        versions=versions(),
+        commit=commit(),
+        seed=config.get("seed"),
+    )
+
+
+def _level(diagnosis: Mapping[str, Any]) -> str:
+    """none, unknown, tied or named: how the verdict is marked."""
+    verdict = diagnosis["verdict"]
+    if not verdict["effects"]:
+        return "none"
+    if verdict["effects"] == ["unknown"]:
+        return "unknown"
+    return "tied" if verdict.get("alternatives") else "named"
+
+
+def _some(*pictures: Picture | None) -> list[Picture]:
+    return [item for item in pictures if item is not None]
+
+
+def _parameters(summary: Mapping[str, Any]) -> list[ParameterRow]:
+    return [
+        ParameterRow(
+            stage=stage.replace("_", " "),
+            name=name.replace("_", " "),
+            value=measured(entry.get("median"), entry.get("q05"), entry.get("q95")),
+            unit=entry.get("unit") or "1",
+            r_hat=number(entry.get("r_hat"), 4),
+            effective=number(entry.get("ess_bulk"), 3),
+            prior_sd=number(entry.get("prior_sd")),
+            converged=part.get("converged"),
+            source=part.get("source", ""),
+        )
+        for stage, part in summary.items()
+        if isinstance(part, Mapping)
+        for name, entry in part.get("parameters", {}).items()
+    ]
+
+
+def _unused(results: Results) -> list[tuple[str, str]]:
+    """Runs that are not used, and why."""
+    rows = results.runs[results.runs["usable"].astype(str).str.lower() != "true"]
+    excluded = results.quality.get("excluded") or {}
+    found = []
+    for row in rows.to_dict("records"):
+        reason = excluded.get(row["run"]) or ", ".join(
+            filter(None, [row["flags"].replace(";", ", ").replace("_", " ")])
+        )
+        found.append((row["run"], reason or row["reasons"].replace(";", ", ").replace("_", " ")))
+    return found

@@ -1,0 +1,114 @@
+"""Names, numbers and units as people read them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+FACTORS = {
+    "voltage_v": "voltage (V)",
+    "frequency_hz": "drive frequency (Hz)",
+    "width_mm": "substrate width (mm)",
+    "thickness_mm": "substrate thickness (mm)",
+    "preload_n": "preload (N)",
+    "session": "session",
+    "run_order": "order in the session",
+    "dwell_s": "rest before switch-off (s)",
+    "all": "everywhere",
+}
+_UNIT_ENDINGS = ("_n_s", "_hz", "_s", "_n", "_v", "_mm", "_um", "_pf")
+_PREFIXES = (
+    (1e9, "G"),
+    (1e6, "M"),
+    (1e3, "k"),
+    (1.0, ""),
+    (1e-3, "m"),
+    (1e-6, "µ"),
+    (1e-9, "n"),
+    (1e-12, "p"),
+)
+_SCALED = {"s", "N", "m", "F", "Hz", "N/s"}
+
+
+def observable_words(name: str) -> str:
+    """``release_time_90_s`` as ``release time 90 %``; other names without unit and underscores."""
+    for ending in _UNIT_ENDINGS:
+        if name.endswith(ending):
+            name = name.removesuffix(ending)
+            break
+    text = name.replace("_", " ")
+    return text + " %" if text.startswith("release time") else text
+
+
+def effect_words(names: Iterable[str]) -> str:
+    """A set of effects as text: ``trapped charge and film tension``, ``no effect``, ``an unknown effect``."""
+    names = list(names)
+    if not names:
+        return "no gap"
+    if names == ["unknown"]:
+        return "an effect outside the library"
+    return " and ".join(name.replace("_", " ") for name in names)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """What to multiply SI values with to show them, and the unit then."""
+
+    factor: float
+    unit: str
+
+    def __call__(self, values: ArrayLike) -> np.ndarray:
+        return np.asarray(values, dtype=float) * self.factor
+
+
+def scale_for(values: ArrayLike, unit: str) -> Scale:
+    """A prefix that brings typical values near 1 to 1000; units that take none stay."""
+    sizes = np.abs(np.asarray(values, dtype=float))
+    sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
+    shown = "" if unit == "1" else unit
+    if unit not in _SCALED or not len(sizes):
+        return Scale(1.0, shown)
+    typical = float(np.median(sizes))
+    for size, prefix in _PREFIXES:
+        if typical >= size:
+            return Scale(1 / size, f"{prefix}{unit}")
+    return Scale(1.0, unit)
+
+
+def number(value: float | None, digits: int = 3) -> str:
+    """A number at a few significant digits with a true minus; a dash where there is none."""
+    if value is None or not math.isfinite(value):
+        return "–"
+    if value == 0:
+        return "0"
+    exponent = math.floor(math.log10(abs(value)))
+    if exponent >= 5 or exponent < -4:
+        mantissa = f"{value / 10.0**exponent:.{digits - 1}f}".rstrip("0").rstrip(".")
+        return f"{mantissa}·10{str(exponent).translate(str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'))}".replace(
+            "-", "−"
+        )
+    decimals = max(digits - 1 - exponent, 0)
+    return f"{value:.{decimals}f}".replace("-", "−")
+
+
+def percent(share: float | None) -> str:
+    """A share as percent; never 0 % or 100 % for what is neither."""
+    if share is None or not math.isfinite(share):
+        return "–"
+    if 0 < share < 0.01:
+        return "< 1\u00a0%"
+    if 0.99 < share < 1:
+        return "> 99\u00a0%"
+    return f"{100 * share:.0f}\u00a0%"
+
+
+def measured(value: float | None, low: float | None, high: float | None, unit: str = "") -> str:
+    """``value (low to high) unit``."""
+    text = number(value)
+    if low is not None and high is not None:
+        text += f" ({number(low)} to {number(high)})"
+    return f"{text} {unit}".strip()
