@@ -48,7 +48,7 @@ def record_run(
     off = stop + half_wave(settings.frequency)
     factors = np.exp(noise.capacity_scatter_slip * rng.standard_normal(SLIPS))
     force = model.history(
-        conditions, index, scattered(parameters, noise, rng), time - on, static_factors=factors
+        conditions, index, scattered(parameters, noise, rng), time - on, capacity_factors=factors
     )
     force = _before_contact(force, time, parameters["stiffness"] * settings.speed, timing.before, rng)
     voltage = sensed_voltage(

@@ -108,8 +108,8 @@ def bursts(
         sign = 1.0 if number % 2 == 0 else -1.0
         forward[(time >= number * period) & (time < (number + 1) * period)] = float(number % 2 == 0)
         for start, share in ((number * period, 0.5), (number * period + move, -1.0)):
-            since = time - start
+            since = np.maximum(time - start, 0.0)
             amplitude = BURST_FORCE * rng.uniform(0.85, 1.1) * share * sign
             ring = amplitude * np.exp(-decay * since) * np.sin(swing * since)
-            force += np.where(since >= 0, np.where(since < 0.2, ring, 0.0), 0.0)
+            force += ring
     return time, counts(force, noise.force_count), forward

@@ -1,10 +1,14 @@
 """Edge wrap: the preload bends the compliant film round the substrate's edges, so that it rubs on the side
 walls too. The normal force on the side walls is taken proportional to the preload, and so are the friction it
-adds beside base and film (static and kinetic, in the film's ratio) and a viscous damping of the sliding."""
+adds beside base and film (static and kinetic, in the film's ratio) and a viscous damping of the sliding. Side
+friction is part of the friction before the voltage, from which the preload is known: F_before = (mu + c_f) F_pre
++ weights, with mu = mu_b + mu_d, so the preload is mu / (mu + c_f) of what the base model makes of it."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+
+import numpy as np
 
 from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
@@ -14,11 +18,14 @@ from eaclutch.records import FloatArray
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """Side friction c_f F_pre (kinetic; static in the film's ratio) and side damping c_d F_pre."""
     p = inputs.parameters
-    kinetic = values["friction_per_preload"] * inputs.preload
+    coefficient = np.asarray(values["friction_per_preload"])
+    sliding = p["base_kinetic"] + p["film_kinetic"]
+    preload = np.maximum(inputs.preload, 0.0) * sliding / (sliding + coefficient)
+    kinetic = coefficient * preload
     return sockets.with_(
         side_friction=sockets.side_friction + kinetic,
         side_friction_static=sockets.side_friction_static + kinetic * p["film_static"] / p["film_kinetic"],
-        side_damping=sockets.side_damping + values["damping_per_preload"] * inputs.preload,
+        side_damping=sockets.side_damping + values["damping_per_preload"] * preload,
     )
 
 
@@ -34,7 +41,7 @@ EFFECT = Effect(
             "1",
             (0.0, 3.0),
             0.0,
-            Prior("halfnormal", 0.3),
+            Prior("halfnormal", 0.2),
             neutral=0.0,
             description="kinetic side-wall friction over preload",
         ),
@@ -55,7 +62,7 @@ EFFECT = Effect(
     validity="the film stays elastic; side friction is proportional to preload, not to the drive",
     apply=apply,
     draw=lambda rng: {
-        "friction_per_preload": rng.uniform(0.1, 0.8),
+        "friction_per_preload": rng.uniform(0.05, 0.5),
         "damping_per_preload": rng.uniform(0.5, 6.0),
     },
 )

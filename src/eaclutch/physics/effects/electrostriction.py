@@ -33,7 +33,7 @@ EFFECT = Effect(
             "m2/V2",
             (0.0, 1.2e-14),
             0.0,
-            Prior("halfnormal", 2e-15),
+            Prior("halfnormal", 1.5e-15),
             neutral=0.0,
             description="M: thickness strain over field squared",
         ),
@@ -42,6 +42,6 @@ EFFECT = Effect(
     validity="strain up to a half (held there); real relaxor films reach about 4 % at 150 MV/m",
     apply=apply,
     draw=lambda rng: {
-        "coefficient": rng.uniform(8e-16, 6e-15),
+        "coefficient": rng.uniform(6e-16, 4e-15),
     },
 )

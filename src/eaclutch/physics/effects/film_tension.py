@@ -30,9 +30,9 @@ EFFECT = Effect(
         Parameter(
             "stiffness",
             "N/m2",
-            (0.0, 1e9),
+            (0.0, 5e6),
             0.0,
-            Prior("halfnormal", 1e7),
+            Prior("halfnormal", 4e5),
             neutral=0.0,
             description="restoring force per gap closed and overlap length",
         ),
@@ -44,6 +44,6 @@ EFFECT = Effect(
     validity="gap changes small against the span of the film",
     apply=apply,
     draw=lambda rng: {
-        "stiffness": float(np.exp(rng.uniform(np.log(2e6), np.log(5e7)))),
+        "stiffness": float(np.exp(rng.uniform(np.log(1e5), np.log(1.5e6)))),
     },
 )

@@ -32,7 +32,7 @@ EFFECT = Effect(
             "rad",
             (0.0, 0.02),
             0.0,
-            Prior("halfnormal", 1e-3),
+            Prior("halfnormal", 8e-4),
             neutral=0.0,
             description="tilt across the strip's width",
         ),
@@ -41,7 +41,7 @@ EFFECT = Effect(
             "m",
             (0.0, 5e-5),
             0.0,
-            Prior("halfnormal", 4e-6),
+            Prior("halfnormal", 3e-6),
             neutral=0.0,
             description="gap at one end of the strip against the other",
         ),
@@ -53,7 +53,7 @@ EFFECT = Effect(
     validity="spread up to a few roughness sds: its uniform shape is taken as Gaussian",
     apply=apply,
     draw=lambda rng: {
-        "angle": rng.uniform(2e-4, 3e-3),
+        "angle": rng.uniform(2e-4, 2e-3),
         "lift": rng.uniform(0.0, 8e-6),
     },
 )

@@ -29,7 +29,7 @@ EFFECT = Effect(
             "m2/V2",
             (0.0, 1e-12),
             0.0,
-            Prior("halfnormal", 4e-14),
+            Prior("halfnormal", 1.5e-14),
             neutral=0.0,
             description="b in kappa / (1 + b E^2)^(1/3)",
         ),
@@ -40,6 +40,6 @@ EFFECT = Effect(
     validity="one polarisation mechanism, no hysteresis; the field is that of closed spots, not of the mean gap",
     apply=apply,
     draw=lambda rng: {
-        "coefficient": float(np.exp(rng.uniform(np.log(1e-14), np.log(2e-13)))),
+        "coefficient": float(np.exp(rng.uniform(np.log(5e-15), np.log(6e-14)))),
     },
 )

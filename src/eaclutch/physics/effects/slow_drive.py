@@ -33,7 +33,7 @@ EFFECT = Effect(
             "ohm",
             (0.0, 5e7),
             0.0,
-            Prior("halfnormal", 1e6),
+            Prior("halfnormal", 3e6),
             neutral=0.0,
             description="series resistance between the drive and the pad",
         ),
@@ -45,6 +45,6 @@ EFFECT = Effect(
     validity="lag below half a period of the drive; capacitance of the closed pad",
     apply=apply,
     draw=lambda rng: {
-        "resistance": float(np.exp(rng.uniform(np.log(2e5), np.log(5e6)))),
+        "resistance": float(np.exp(rng.uniform(np.log(1e6), np.log(1.5e7)))),
     },
 )

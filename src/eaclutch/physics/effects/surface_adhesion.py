@@ -30,7 +30,7 @@ EFFECT = Effect(
             "Pa",
             (0.0, 2e6),
             0.0,
-            Prior("halfnormal", 1e5),
+            Prior("halfnormal", 6e4),
             neutral=0.0,
             description="attraction per contacting area",
         ),
@@ -41,6 +41,6 @@ EFFECT = Effect(
     validity="stiff contacts (DMT, not JKR): no pull-off instability of single spots",
     apply=apply,
     draw=lambda rng: {
-        "pressure": float(np.exp(rng.uniform(np.log(3e4), np.log(5e5)))),
+        "pressure": float(np.exp(rng.uniform(np.log(2e4), np.log(2e5)))),
     },
 )

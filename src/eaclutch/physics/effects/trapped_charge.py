@@ -36,9 +36,9 @@ EFFECT = Effect(
         Parameter(
             "residual_fraction",
             "1",
-            (0.0, 0.95),
+            (0.0, 0.98),
             0.0,
-            Prior("halfnormal", 0.25),
+            Prior("halfnormal", 0.5),
             neutral=0.0,
             description="residual field over the drive's, just after a long single polarity",
         ),
@@ -66,7 +66,7 @@ EFFECT = Effect(
     validity="charge of one sign a half wave; the driven force itself is left as it is",
     apply=apply,
     draw=lambda rng: {
-        "residual_fraction": rng.uniform(0.15, 0.6),
+        "residual_fraction": rng.uniform(0.4, 0.9),
         "corner_frequency": float(np.exp(rng.uniform(np.log(5.0), np.log(300.0)))),
         "decay_time": float(np.exp(rng.uniform(np.log(1e-3), np.log(1.0)))),
     },

@@ -27,7 +27,7 @@ EFFECT = Effect(
             "s",
             (0.0, 5e-3),
             0.0,
-            Prior("halfnormal", 1.5e-4),
+            Prior("halfnormal", 1e-4),
             neutral=0.0,
             description="delay of the film's voltage against the logged edge",
         ),
@@ -39,6 +39,6 @@ EFFECT = Effect(
     validity="the same delay at both edges and in all runs",
     apply=apply,
     draw=lambda rng: {
-        "delay": rng.uniform(5e-5, 6e-4),
+        "delay": rng.uniform(4e-5, 3e-4),
     },
 )

@@ -4,24 +4,23 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
-from eaclutch.physics.kernels.forces import adhesion, contact, driven_force
+from eaclutch.physics.kernels.compiled import compiled
+from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_force
 from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, frictions
 
 
-@njit(cache=True)
+@compiled
 def train_stiffness(p):
     """Stiffness [N/m] of load cell and series compliance while the tip pushes."""
     return p.stiffness / (1.0 + p.stiffness * p.series_compliance)
 
 
-@njit(cache=True)
+@compiled
 def driven_friction(p, gap, gap_before, tables):
     """(static, kinetic) friction [N] at rest with the voltage on, kinetic at the mean speed of a slip."""
     lift, _ = contact(p, gap, tables)
     pull, _ = adhesion(p, gap)
-    force, _ = driven_force(p, gap, tables)
+    force = field_force(p, driven_field(p), gap, tables)
     normal_base = p.substrate_weight + lift - force - pull
     static, kinetic = frictions(p, normal_base, lift, p.static_factor_ramp, 0.0)
     if p.weakening_depth != 0.0:
@@ -33,7 +32,7 @@ def driven_friction(p, gap, gap_before, tables):
     return static, kinetic
 
 
-@njit(cache=True)
+@compiled
 def slip_bottom(p, static, kinetic):
     """Force [N] at which a slip ends: it overshoots the kinetic friction by the load cell's own damping."""
     k, mass = train_stiffness(p), p.mass + p.added_mass
@@ -44,13 +43,13 @@ def slip_bottom(p, static, kinetic):
     return max(min(kinetic - overshoot * (static - kinetic), static), 0.0)
 
 
-@njit(cache=True)
+@compiled
 def ramp_slope(start, top, bottom, rate, t0, t1):
     """Least-squares slope [N/s] over [t0, t1] of the sawtooth that climbs from ``start`` at ``rate`` to ``top``,
     drops to ``bottom`` and climbs again."""
     middle, sum_ft = 0.5 * (t0 + t1), 0.0
     begin, level = 0.0, start
-    fall = max(top - bottom, 1e-3 * top)
+    fall = max(top - bottom, 1e-3 * top, 1e-4)  # a slip of 0.1 mN at least: the sawtooth must move on
     while begin < t1:
         end = begin + max(top - level, 0.0) / rate
         a, b = max(begin, t0), min(end, t1)
@@ -62,7 +61,7 @@ def ramp_slope(start, top, bottom, rate, t0, t1):
     return 12.0 * sum_ft / (t1 - t0) ** 3
 
 
-@njit(cache=True)
+@compiled
 def driven_run(p, gap, gap_before, tables):
     """(status, largest force, force at switch-off, slip fraction, (ramp, early, late) slopes) [N, N, 1, N/s].
 
