@@ -40,3 +40,26 @@ rule fea:
     shell:
         "eaclutch --log {log} fea --campaign {params.campaign:q} --table {output.table:q}"
         " --insulators {output.insulators:q} --page {output.page:q}"
+
+
+rule paper:
+    input:
+        runs=results("runs.csv"),
+        published=results("runs_published.csv"),
+        summary=results("posterior/summary.json"),
+    output:
+        table=results("paper/numbers.csv"),
+        page=results("paper/report.html"),
+    log:
+        log_of("paper"),
+    params:
+        campaign=CAMPAIGN,
+        results=RESULTS,
+        bench=bench(),
+        settings=settings("model"),
+        code=code("studies.paper", "reporting.paper_page", effects=EFFECTS_ON),
+    message:
+        "paper: the printed numbers beside ours"
+    shell:
+        "eaclutch --log {log} paper --campaign {params.campaign:q} --results {params.results:q}"
+        " --settings {params.settings:q} --table {output.table:q} --page {output.page:q}"

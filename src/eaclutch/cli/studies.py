@@ -64,4 +64,41 @@ def sweep(campaign: Path, results: Path, settings: str, seed: int, table: Path, 
     write_text(page, map_page(drawn, limits_of(asked), asked["limits"], asked["design"], bench.name))
 
 
-COMMANDS: list[click.Command] = [fea, sweep]
+@click.command("paper")
+@click.option("--campaign", type=_FOLDER, required=True, help="The campaign whose numbers are compared.")
+@click.option("--results", type=_FOLDER, required=True, help="Its results.")
+@_settings
+@click.option("--table", type=_FILE, required=True, help="All numbers to write (csv).")
+@_page
+def paper(campaign: Path, results: Path, settings: str, table: Path, page: Path) -> None:
+    """The paper's numbers, ours beside them."""
+    import pandas as pd
+
+    from eaclutch.config import load_bench
+    from eaclutch.files import read_json
+    from eaclutch.reporting.paper_page import paper_page
+    from eaclutch.rig.table import conditions_from_runs
+    from eaclutch.studies.claims import LITERATURE_TIMES, claims_table, side_claims
+    from eaclutch.studies.maps import model_of
+    from eaclutch.studies.paper import medians, model_claims, multiplier_table, run_claims
+    from eaclutch.studies.sweep import Design
+    from eaclutch.studies.trends import force_exponents, release_by_frequency
+
+    bench, config = load_bench(campaign), json.loads(settings)
+    runs = pd.read_csv(results / "runs.csv")
+    published = pd.read_csv(results / "runs_published.csv")
+    model = model_of(bench, config["model"])
+    parameters = medians(read_json(results / "posterior" / "summary.json"), model)
+    usable = runs[runs["usable"] & runs["release_time_90_s"].notna()]
+    groups = {
+        "From the recordings": run_claims(runs, published),
+        "From the calibrated model": model_claims(model, parameters, Design(sorted(bench.substrates)[0])),
+        "Side computations": side_claims(),
+    }
+    write_csv(table, claims_table(groups))
+    multiplier = multiplier_table(model, conditions_from_runs(usable, bench), parameters)
+    figures = (force_exponents(runs), release_by_frequency(runs), multiplier)
+    write_text(page, paper_page(groups, *figures, LITERATURE_TIMES, bench.name))
+
+
+COMMANDS: list[click.Command] = [fea, sweep, paper]

@@ -6,9 +6,11 @@ assumed for them. Source: Rauf & Follmer (2025), doi:10.1016/j.eml.2025.102382.
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 from scipy.constants import epsilon_0
 
 AIR_CONDUCTIVITY = 5e-16  # S/m, the paper's value
@@ -120,6 +122,16 @@ def _interdigitated_pad() -> list[Claim]:
 def side_claims() -> list[Claim]:
     """All side computations, in the paper's order."""
     return _parallel_plate_pad() + _interdigitated_pad() + _maxwell_wagner()
+
+
+def claims_table(groups: Mapping[str, Sequence[Claim]]) -> pd.DataFrame:
+    """All claims as one table: group, quantity, printed, ours, ratio, unit, note."""
+    rows = [
+        (group, claim.name, claim.published, claim.ours, claim.ratio, claim.unit, claim.note)
+        for group, claims in groups.items()
+        for claim in claims
+    ]
+    return pd.DataFrame(rows, columns=["group", "quantity", "printed", "ours", "ratio", "unit", "note"])
 
 
 # Engagement and release times in the literature [s]; NaN = not measured (Supplement, Table S1).

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -34,30 +35,30 @@ def limits_of(sweep: Mapping[str, Any]) -> dict[str, tuple[float, float]]:
     return limits | {"shear_capacity_n": (sweep["limits"]["capacity_n"], np.inf)}
 
 
+def model_of(bench: Bench, model: Mapping[str, Any]) -> ClutchModel:
+    """The clutch of a bench as the config's ``model`` part asks for it."""
+    return ClutchModel(
+        bench,
+        [name for name in model["effects"] or BASE if name not in model["without"]],
+        roughness_rule=model["roughness_rule"],
+        roughness_cut=model["roughness_cut"],
+        force_multiplier_form=model["force_multiplier_form"],
+    )
+
+
 def draw_maps(bench: Bench, config: Mapping[str, Any], draws: Mapping[str, FloatArray]) -> list[PadMap]:
     """All maps of the config's ``sweep`` part, with the effects of its ``model`` part."""
-    sweep, model = config["sweep"], config["model"]
-    effects = [name for name in model["effects"] or BASE if name not in model["without"]]
-    substrate = sorted(bench.substrates)[0]
-    design = Design(substrate, **sweep["design"])
-
-    def model_of(changed: Bench) -> ClutchModel:
-        return ClutchModel(
-            changed,
-            effects,
-            roughness_rule=model["roughness_rule"],
-            roughness_cut=model["roughness_cut"],
-            force_multiplier_form=model["force_multiplier_form"],
-        )
-
-    known = model_of(bench).parameters
+    sweep = config["sweep"]
+    design = Design(sorted(bench.substrates)[0], **sweep["design"])
+    build = partial(model_of, model=config["model"])
+    known = build(bench).parameters
     used = {name: value for name, value in draws.items() if name in known}
     maps = []
     for pad in sweep["pads"]:
         changed = replace(bench, pad=replace(bench.pad, type=pad))
         for names in sweep["maps"]:
             x, y = ((name, levels(sweep, name)) for name in names)
-            maps.append(PadMap(pad, design_map(changed, model_of, used, design, x, y)))
+            maps.append(PadMap(pad, design_map(changed, build, used, design, x, y)))
     return maps
 
 

@@ -139,7 +139,7 @@ def _predict(
     design: Design,
     grid: Mapping[str, FloatArray],
 ) -> dict[str, FloatArray]:
-    conditions = _conditions(bench, design, grid)
+    conditions = design_conditions(bench, design, grid)
     capacity = model.predict(conditions, draws, ["shear_capacity_n"])
     # The paper starts a release from a fixed share of the capacity; the draws share its median here.
     held = design.start_ratio * (
@@ -153,7 +153,7 @@ def _predict(
     }
 
 
-def _conditions(bench: Bench, design: Design, grid: Mapping[str, FloatArray]) -> RunConditions:
+def design_conditions(bench: Bench, design: Design, grid: Mapping[str, FloatArray]) -> RunConditions:
     """The runs of a grid; the friction before the voltage follows from the preload (physics.md item 9)."""
     n = len(next(iter(grid.values())))
 

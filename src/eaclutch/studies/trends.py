@@ -13,7 +13,8 @@ from scipy.optimize import brentq
 
 from eaclutch.records import FloatArray
 
-HALF_POWER = 1 / np.sqrt(2)
+HALF = 0.5  # -3 dB as 10 log10 of the force, which is what the printed bandwidth comes to
+HALF_POWER = 1 / np.sqrt(2)  # -3 dB as 20 log10
 
 
 def force_exponents(runs: pd.DataFrame, width_mm: float = 2.0, preload_max_n: float = 0.25) -> pd.DataFrame:
@@ -46,12 +47,14 @@ def slope(runs: pd.DataFrame, by: str, observable: str, where: pd.Series) -> tup
     return float(coefficients[0]), float(np.sqrt(covariance[0, 0]))
 
 
-def bandwidth(response: Callable[[FloatArray], FloatArray], low: float = 10.0, high: float = 1e6) -> float:
-    """Frequency [Hz] at which ``response`` has fallen to 1/sqrt(2) of its value at ``low``; NaN if it has not."""
+def bandwidth(
+    response: Callable[[FloatArray], FloatArray], level: float = HALF, low: float = 10.0, high: float = 1e6
+) -> float:
+    """Frequency [Hz] at which ``response`` has fallen to ``level`` of its value at ``low``; NaN if it has not."""
     reference = float(response(np.array([low]))[0])
 
     def excess(log_frequency: float) -> float:
-        return float(response(np.array([np.exp(log_frequency)]))[0]) / reference - HALF_POWER
+        return float(response(np.array([np.exp(log_frequency)]))[0]) / reference - level
 
     if excess(np.log(high)) > 0:
         return float("nan")

@@ -1,0 +1,123 @@
+"""The paper's numbers, ours beside them: from the runs by both definitions, and from the calibrated model.
+
+Source: Rauf & Follmer (2025), Secs. 3-5 and Supplement S6-S8, doi:10.1016/j.eml.2025.102382.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from eaclutch.physics import laws
+from eaclutch.physics.model import ClutchModel
+from eaclutch.records import FloatArray, RunConditions
+from eaclutch.studies.claims import Claim
+from eaclutch.studies.sweep import Design, design_conditions
+from eaclutch.studies.trends import HALF_POWER, bandwidth, force_exponents, slope
+
+NARROW_MM, LOW_PRELOAD_N = 2.0, 0.25
+PART = "the paper has 311 runs, this campaign {n} that the published definitions keep"
+
+
+def run_claims(runs: pd.DataFrame, published: pd.DataFrame) -> list[Claim]:
+    """Numbers that come from the recordings: runs.csv and runs_published.csv."""
+    kept = published[published["kept"].astype(str).str.lower() == "true"]
+    note = PART.format(n=len(kept))
+    joined = runs.merge(kept, on="run", suffixes=("", "_published"))
+    paper_force = joined.assign(shear_capacity_n=joined["force_max_n"])
+    exponents = force_exponents(paper_force)["exponent"]
+    at_1khz = (runs["frequency_hz"] == 1000) & (runs["preload_n"] < LOW_PRELOAD_N)
+    by_voltage = at_1khz & (runs["width_mm"] == NARROW_MM)
+    by_width = (runs["frequency_hz"] == 1000) & (runs["voltage_v"] == 300) & (runs["preload_n"] < 0.5)
+    ms, us = kept["release_90_ms"], kept["engagement_us"]
+    rows = [
+        ("exponent of force over voltage, mean over frequencies", 1.605, exponents.mean(), "1",
+         f"largest force of the record, as the paper takes it; scatter {exponents.std():.3f} (the paper 0.309). The "
+         f"capacity less the friction before gives {force_exponents(runs)['exponent'].mean():.2f}"),
+        ("release time, mean", 1.13, ms.mean(), "ms", note),
+        ("release time, sd", 0.36, ms.std(), "ms", note),
+        ("runs released within 1 ms", 39.5, 100 * (ms < 1).mean(), "%", note),
+        ("10 % release time, mean", 286.0, 1e3 * kept["release_10_ms"].mean(), "us", note),
+        ("10 % release time, median", 156.0, 1e3 * kept["release_10_ms"].median(), "us", note),
+        ("engagement time, mean", 4.78, us.mean(), "us",
+         f"{note}; this statistic cannot resolve microseconds (docs/observables.md)"),
+        ("engagement time, sd", 7.07, us.std(), "us", note),
+        ("release over voltage, measured slope", -0.72,
+         1e6 * slope(runs, "voltage_v", "release_time_90_s", by_voltage)[0], "us/V", "our release time"),
+        ("release over width, measured slope", 143.5,
+         1e6 * slope(runs, "width_mm", "release_time_90_s", by_width)[0], "us/mm", "our release time, preload < 0.5 N"),
+    ]  # fmt: skip
+    return [Claim(name, value, float(ours), unit, text) for name, value, ours, unit, text in rows]
+
+
+def model_claims(model: ClutchModel, parameters: Mapping[str, FloatArray], design: Design) -> list[Claim]:
+    """Numbers that come from the model at one parameter set."""
+    bench = model.bench
+
+    def at(**levels: FloatArray) -> RunConditions:
+        conditions = design_conditions(bench, design, {name: np.atleast_1d(x) for name, x in levels.items()})
+        force = model.predict(conditions, parameters, ["shear_capacity_n"]).values["shear_capacity_n"][0]
+        held = design.start_ratio * (force + conditions.friction_before)
+        return replace(conditions, switch_off_force=held)
+
+    def curve(observable: str, **levels: FloatArray) -> FloatArray:
+        return model.predict(at(**levels), parameters, [observable]).values[observable][0]
+
+    def largest_force(frequency: FloatArray) -> FloatArray:
+        return curve("shear_capacity_n", frequency_hz=frequency) + at(frequency_hz=frequency).friction_before
+
+    voltages, widths = np.linspace(125, 300, 15), np.linspace(2, 6, 9)
+    rows = [
+        ("-3 dB bandwidth of the capacity", 13.3,
+         1e-3 * bandwidth(largest_force), "kHz",
+         "half the largest force, friction before included; 1/sqrt(2) of it is reached at "
+         f"{1e-3 * bandwidth(largest_force, HALF_POWER):.1f} kHz"),
+        ("release over voltage, model slope", -0.25,
+         1e6 * _slope(voltages, curve("release_time_90_s", voltage_v=voltages)), "us/V", ""),
+        ("release over width, model slope", 142.3,
+         1e6 * _slope(widths, curve("release_time_90_s", width_mm=widths)), "us/mm",
+         "the released scripts stop at the first velocity zero and start from one minus the start ratio"),
+        ("engagement over voltage, model slope", -0.0012,
+         1e6 * _slope(voltages, curve("engagement_time_s", voltage_v=voltages)), "us/V", ""),
+        ("engagement over width, model slope", 0.98,
+         1e6 * _slope(widths, curve("engagement_time_s", width_mm=widths)), "us/mm", ""),
+        ("polarisation 100 us after a step", 93.0,
+         100 * (1 - laws.mittag_leffler(0.562, 100 / 2.82)), "%", "with the published 2.82 us and 0.562"),
+    ]  # fmt: skip
+    return [Claim(name, value, float(ours), unit, text) for name, value, ours, unit, text in rows]
+
+
+def _slope(x: FloatArray, y: FloatArray) -> float:
+    finite = np.isfinite(y)
+    return float(np.polyfit(x[finite], y[finite], 1)[0]) if finite.sum() >= 2 else float("nan")
+
+
+def medians(summary: Mapping[str, Any], model: ClutchModel) -> dict[str, FloatArray]:
+    """Posterior medians (1,) of the model's parameters, from posterior/summary.json."""
+    found = {}
+    for stage in summary.values():
+        for name, entry in stage["parameters"].items():
+            if name in model.parameters:
+                found[name] = np.array([entry["median"]])
+    return found
+
+
+def multiplier_table(
+    model: ClutchModel, conditions: RunConditions, parameters: Mapping[str, FloatArray]
+) -> pd.DataFrame:
+    """Median release per voltage with the calibrated force multiplier and with it held at 1 (Supplement S8)."""
+    neutral = {name: value for name, value in parameters.items() if not name.startswith("force_multiplier")}
+    neutral |= {"force_multiplier_level": np.ones(1), "force_multiplier_slope": np.zeros(1)}
+    neutral = {name: value for name, value in neutral.items() if name in model.parameters}
+    table = pd.DataFrame({"voltage_v": conditions.voltage})
+    for label, used in (("with_multiplier", parameters), ("without_multiplier", neutral)):
+        table[f"release_ms_{label}"] = (
+            1e3 * model.predict(conditions, used, ["release_time_90_s"]).values["release_time_90_s"][0]
+        )
+    table = table.groupby("voltage_v").median().reset_index()
+    table["change_percent"] = 100 * (table.iloc[:, 1] / table.iloc[:, 2] - 1)
+    return table
