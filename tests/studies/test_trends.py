@@ -10,7 +10,8 @@ from eaclutch.studies.trends import bandwidth, force_exponents, release_by_frequ
 def table(exponent: float) -> pd.DataFrame:
     rows = [
         {"width_mm": 2.0, "preload_n": 0.1, "frequency_hz": f, "voltage_v": v,
-         "shear_capacity_n": 1e-5 * (1 + 1 / f) * v**exponent, "release_time_10_s": 3e-4, "release_time_90_s": 9e-4 + 1e-7 * v}
+         "shear_capacity_n": 1e-5 * (1 + 1 / f) * v**exponent, "release_time_10_s": 3e-4,
+         "release_time_90_s": 9e-4 + 1e-7 * v}
         for f in (1.0, 10.0)
         for v in (150.0, 200.0, 300.0)
     ]  # fmt: skip
