@@ -52,7 +52,7 @@ def turn_knobs(port: str | os.PathLike[str], setting: BenchSetting) -> None:
 
 class EmulatedRig:
     """The emulated rig; use as a context manager. Its port is the symbolic link ``link`` (``<link>-1``, ...
-    after it was unplugged and came back).
+    after it was unplugged and came back). ``ended`` is set when it is switched off or ``failure`` says why it failed.
 
     ``source`` gives the recording of a run; ``faults()`` the fault of the next transfer or None;
     ``bytes_per_s`` limits the link; ``journal`` gets a JSON line a transfer.
@@ -82,7 +82,7 @@ class EmulatedRig:
         self.sent: list[Sent] = []
         self.setting: BenchSetting | None = None
         self.failure: BaseException | None = None
-        self._stop = threading.Event()
+        self.ended = threading.Event()
         self._plugs = 0
         self._master = self._slave = -1
         self._thread = threading.Thread(target=self._serve, name="emulated rig", daemon=True)
@@ -100,7 +100,7 @@ class EmulatedRig:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        self._stop.set()
+        self.ended.set()
         self._thread.join()
         self._unplug()
         if self.failure is not None and kind is None:
@@ -109,18 +109,19 @@ class EmulatedRig:
     def _serve(self) -> None:
         try:
             pending = b""
-            while not self._stop.is_set():
+            while not self.ended.is_set():
                 if select.select([self._master], [], [], 0.05)[0]:
                     pending += os.read(self._master, 1024)
-                while len(pending) >= 2 and not self._stop.is_set():
+                while len(pending) >= 2 and not self.ended.is_set():
                     two, pending = pending[:2], pending[2:]
                     if 0 not in two:
                         self._run(Command.decode(two))
         except BaseException as error:  # shown when the rig is switched off
             self.failure = error
-            self._stop.set()
+            self.ended.set()
 
     def _run(self, command: Command) -> None:
+        came = time.monotonic()
         setting = self._read_setting()
         fault = self.faults()
         columns = self._columns(self.source(setting, command))
@@ -128,7 +129,8 @@ class EmulatedRig:
             columns = _with_count_among_data(columns)
         reply = render(columns)
         self._note(Sent(setting, command, len(columns), digest(columns), fault))
-        silence = command.silence(self.timing) / self.speed_factor
+        motion = command.silence(self.timing) / self.speed_factor
+        silence = max(0.0, motion - (time.monotonic() - came))
         if fault == "silence":
             return
         if fault == "unplug_in_motion":
@@ -162,7 +164,7 @@ class EmulatedRig:
     def _send(self, reply: bytes, drop: bool = False) -> None:
         """Write as the firmware does; with ``drop``, what the host does not take at once is lost."""
         view, start, written = memoryview(reply), time.monotonic(), 0
-        while view and not self._stop.is_set():
+        while view and not self.ended.is_set():
             if not select.select([], [self._master], [], 0.0 if drop else 0.05)[1]:
                 if drop:
                     view = view[_WRITE // 4 :]
@@ -177,7 +179,7 @@ class EmulatedRig:
                     self._sleep(ahead)
 
     def _sleep(self, seconds: float) -> None:
-        self._stop.wait(seconds)
+        self.ended.wait(seconds)
 
     def _replug(self) -> None:
         self._unplug()

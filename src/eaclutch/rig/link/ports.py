@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import glob
 import re
+import stat
 import time
+from pathlib import Path
 
 from serial.tools import list_ports
 
@@ -63,4 +65,13 @@ def _candidates(port: str | None) -> list[str]:
             and usb["serial"] in (None, found.serial_number)
         )
     # a pattern is the operator's own; a plain path is its own only match
-    return sorted(glob.glob(port))  # noqa: PTH207 (absolute patterns are what it is for)
+    matches = sorted(glob.glob(port))  # noqa: PTH207 (absolute patterns are what it is for)
+    return [path for path in matches if _is_terminal(path)]
+
+
+def _is_terminal(path: str) -> bool:
+    """Whether ``path`` leads to a character device: a name that is left over, or a file beside it, does not."""
+    try:
+        return stat.S_ISCHR(Path(path).stat().st_mode)
+    except OSError:
+        return False

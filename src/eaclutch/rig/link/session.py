@@ -16,6 +16,7 @@ from eaclutch.rig.link.reader import Reply, SerialLink, partial_bytes
 from eaclutch.rig.link.setting_check import check_setting
 from eaclutch.rig.link.store import CampaignStore, missing_slots
 from eaclutch.rig.link.transfer import Transfer, TransferFault, parse_transfer
+from eaclutch.rig.log_names import parse_log_name
 
 # After these the rig may still move, or hold a second command, and would answer later.
 _RIG_MAY_STILL_RUN = ("early_reply", "silence", "vanished", "cut_short", "no_count", "too_long", "lines_lost")
@@ -123,7 +124,7 @@ def run_session(
                     link.quiet()
                 store.remember_command(None)
                 continue
-            recording = _recording(slot, name, started, transfer)
+            recording = _recording(name, transfer)
             record = _record(plan, slot, started, reply, transfer, attempt) | {"sensed": sensed}
             path = store.add(recording, name, plan.log_format, record)
             store.remember_command(None)
@@ -143,9 +144,9 @@ def _let_the_rig_finish(store: CampaignStore, link: SerialLink) -> None:
         store.remember_command(None)
 
 
-def _recording(slot: Slot, name: str, started: datetime, transfer: Transfer) -> Recording:
+def _recording(name: str, transfer: Transfer) -> Recording:
     columns: Columns = transfer.columns
-    settings = slot.settings(datetime.strptime(name[:17], "%Y%m%d_%H_%M_%S"))
+    settings = parse_log_name(name)
     return Recording(
         settings, columns.time_us * 1e-6, columns.force, columns.flag, columns.voltage, transfer.repairs
     )
