@@ -80,9 +80,7 @@ def _capacitance(readings: CapacitanceReadings, scale: Mapping[str, float]) -> l
             curve = _curve(readings, (readings.width == width) & (trials == trial))
             if np.isfinite(curve).any():
                 curves.setdefault(float(width), []).append(curve)
-    scatter = [np.nanstd(np.array(c) , axis=0, ddof=1)[np.isfinite(c).sum(axis=0) > 1]
-               for c in curves.values() if len(c) > 1]  # fmt: skip
-    pooled = float(np.sqrt(np.mean(np.concatenate(scatter) ** 2))) if scatter else 0.02
+    pooled = _trial_scatter([np.array(found) for found in curves.values()])
     rows = []
     for width, found in curves.items():
         stack = np.array(found)
@@ -94,6 +92,17 @@ def _capacitance(readings: CapacitanceReadings, scale: Mapping[str, float]) -> l
             rows.append((mean, sd, "capacitance", f"w{width:.6g}", force, width,
                          np.log(force) / scale["log_force"], np.log(width) / scale["log_width"]))  # fmt: skip
     return rows
+
+
+def _trial_scatter(stacks: list[FloatArray]) -> float:
+    """Trial-to-trial sd of log C, pooled over widths and levels; 0.02 where no width has two trials."""
+    squares, dof = 0.0, 0
+    for stack in stacks:
+        use = stack[:, np.isfinite(stack).sum(axis=0) > 1]
+        if use.size:
+            squares += float(np.nansum((use - np.nanmean(use, axis=0)) ** 2))
+            dof += int(np.isfinite(use).sum()) - use.shape[1]
+    return float(np.sqrt(squares / dof)) if dof else 0.02
 
 
 def _curve(readings: CapacitanceReadings, rows: np.ndarray) -> FloatArray:

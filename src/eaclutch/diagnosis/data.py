@@ -48,6 +48,8 @@ class DataVector:
     average: sparse.csr_matrix
     bench: BenchEntries
     repeats: Mapping[str, RepeatVariance]
+    groups: np.ndarray  # (runs,) label of each run's (condition, session)
+    entry_group: np.ndarray  # (run entries,) the same of each entry
     run_values: FloatArray = field(repr=False)  # (channels, runs), comparison scale, NaN where unusable
 
     def __len__(self) -> int:
@@ -93,7 +95,7 @@ def build(
         repeats[channel.name] = repeat
         values.append(scaled)
     run_values = np.array(values).reshape(len(kept), len(conditions))
-    return _assemble(conditions, tuple(kept), entries, bench, repeats, run_values, thresholds, table)
+    return _assemble(conditions, tuple(kept), entries, bench, repeats, groups, run_values, thresholds, table)
 
 
 def _reaches(table: pd.DataFrame, channel: Channel, ramp_rate: float) -> np.ndarray:
@@ -149,6 +151,7 @@ def _assemble(
     entries: list[tuple],
     bench: BenchEntries,
     repeats: dict[str, RepeatVariance],
+    groups: IntArray,
     run_values: FloatArray,
     thresholds: Mapping[str, Any],
     table: pd.DataFrame,
@@ -184,6 +187,8 @@ def _assemble(
         average.tocsr(),
         bench,
         repeats,
+        groups,
+        groups[np.array(first, dtype=int)],
         run_values,
     )
 

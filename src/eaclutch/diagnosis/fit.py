@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import cho_factor, cho_solve
 from scipy.special import logsumexp, ndtri
 from scipy.stats import qmc
 
@@ -20,7 +20,7 @@ from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised, log_normal
-from eaclutch.inference import laplace
+from eaclutch.diagnosis.mode import Mode, find_mode
 from eaclutch.records import FloatArray
 
 SCOUTS = 64  # parameter sets of an effect tried before the fit
@@ -34,21 +34,21 @@ class HypothesisFit:
 
     effects: the candidates on top of the campaign's model. linearised: at the mode, with the covariance of
     the most probable multipliers. residual (entries,): measured less predicted at the mode. signature
-    (entries,): how far the effects themselves move the prediction. laplace: the fit's own record.
-    multipliers: the most probable (tolerance, session). log_evidence: nats, averaged over the multipliers.
+    (entries,): how far the effects themselves move the prediction. multipliers: the most probable (tolerance,
+    session). log_evidence: nats, averaged over the multipliers.
     """
 
     effects: tuple[str, ...]
+    mode: Mode
     linearised: Linearised
     residual: FloatArray
     signature: FloatArray
-    laplace: laplace.LaplaceFit
     multipliers: tuple[float, float]
     log_evidence: float
 
     @property
     def parameters(self) -> dict[str, float]:
-        return dict(zip(self.laplace.names, self.laplace.mode.tolist(), strict=True))
+        return dict(zip(self.mode.names, self.mode.theta.tolist(), strict=True))
 
 
 def fit_hypothesis(
@@ -64,60 +64,35 @@ def fit_hypothesis(
     An effect's own parameters are scouted over their prior first (the calibrated ones follow linearly), so
     that a fit does not depend on where it starts.
     """
-    starts = [None] if base is None else _scout(forward, data, base)
-    best: tuple[laplace.LaplaceFit, FloatArray, FloatArray] | None = None
-    for start in starts:
-        found = _fit_from(forward, data, kernels, thresholds, start)
-        if best is None or found[0].log_evidence > best[0].log_evidence:
-            best = found
-    if best is None:
-        raise ValueError("no start could be fitted")
-    fitted, root, signature = best
-    jacobian = -root @ fitted.jacobian
-    residual = data.values - forward.predict(fitted.mode)[0]
-    w = residual + jacobian @ fitted.u_mode
-    evidence, multipliers = _marginal_evidence(w, jacobian, kernels, thresholds, signature)
+    share = thresholds["signature_tolerance"]
+
+    def covariance_at(theta: FloatArray) -> FloatArray:
+        if not forward.candidates:
+            return kernels.total()
+        return kernels.total(signature=own_signature(forward, theta), signature_tolerance=share)
+
+    if base is None:
+        starts = [forward.priors.to_normal(np.array([p.default for p in forward.parameters]))]
+    else:
+        starts = _scout(forward, base)
+    found = [_finish(forward, data, kernels, thresholds, find_mode(forward, data.values, covariance_at, start))
+             for start in starts]  # fmt: skip
+    return max(found, key=lambda fitted: fitted.log_evidence)
+
+
+def _finish(
+    forward: Forward, data: DataVector, kernels: Kernels, thresholds: Mapping[str, Any], mode: Mode
+) -> HypothesisFit:
+    signature = own_signature(forward, mode.theta)
+    residual = data.values - mode.predicted
+    w = residual + mode.jacobian @ mode.u
+    evidence, multipliers = _marginal_evidence(w, mode.jacobian, kernels, thresholds, signature)
     covariance = kernels.total(
         tolerance=multipliers[0], session=multipliers[1],
         signature=signature, signature_tolerance=thresholds["signature_tolerance"],
     )  # fmt: skip
-    return HypothesisFit(
-        forward.candidates,
-        Linearised(w, jacobian, covariance),
-        residual,
-        signature,
-        fitted,
-        multipliers,
-        evidence,
-    )
-
-
-def _fit_from(
-    forward: Forward,
-    data: DataVector,
-    kernels: Kernels,
-    thresholds: Mapping[str, Any],
-    start: FloatArray | None,
-) -> tuple[laplace.LaplaceFit, FloatArray, FloatArray]:
-    """Two rounds: the second with the tolerance of the effect's own signature at the first one's mode."""
-    signature = np.zeros(len(data)) if start is None else own_signature(forward, start)
-    rounds = 1 if not forward.candidates else 2
-    for _ in range(rounds):
-        covariance = kernels.total(signature=signature, signature_tolerance=thresholds["signature_tolerance"])
-        root = np.linalg.cholesky(covariance)
-        norm = -float(np.sum(np.log(np.diag(root)))) - 0.5 * len(data) * np.log(2 * np.pi)
-
-        def residual(theta: FloatArray, root: FloatArray = root) -> FloatArray:
-            gap = data.values - forward.predict(theta)
-            return solve_triangular(root, gap.T, lower=True).T
-
-        fitted = laplace.fit(
-            residual, forward.priors, start=start, log_norm=norm, max_iterations=8, tolerance=1e-2
-        )
-        start = fitted.mode
-        if forward.candidates:
-            signature = own_signature(forward, fitted.mode)
-    return fitted, root, signature
+    linearised = Linearised(w, mode.jacobian, covariance)
+    return HypothesisFit(forward.candidates, mode, linearised, residual, signature, multipliers, evidence)
 
 
 def own_signature(forward: Forward, theta: FloatArray) -> FloatArray:
@@ -125,7 +100,7 @@ def own_signature(forward: Forward, theta: FloatArray) -> FloatArray:
     if not forward.candidates:
         return np.zeros(len(forward.data))
     neutral = neutral_parameters(forward, theta)
-    both = forward.predict(np.stack([theta, neutral]))
+    both = forward.representative.predict(np.stack([theta, neutral]))
     return both[0] - both[1]
 
 
@@ -138,42 +113,49 @@ def neutral_parameters(forward: Forward, theta: FloatArray) -> FloatArray:
     return out
 
 
-def _scout(forward: Forward, data: DataVector, base: HypothesisFit) -> list[FloatArray]:
-    """Full parameter vectors to start from: the base fit's with the best of many draws of the effect's own."""
-    theta, own = _scouts(forward, base)
+def _scout(forward: Forward, base: HypothesisFit) -> list[FloatArray]:
+    """Starts (params,) in prior coordinates: the best of many draws of the effect's own parameters, with the
+    calibrated ones where they would follow linearly."""
+    u, own = _scouts(forward, base)
     if not own:
-        return [theta[0]]
+        return [u[0]]
     shift, cost = scout_shifts(forward, base)
     factor = cho_factor(base.linearised.marginal(), lower=True)
     w = base.linearised.w - shift
-    score = -0.5 * np.sum(w.T * cho_solve(factor, w.T), axis=0) - cost
-    return [theta[i] for i in np.argsort(-score)[:STARTS]]
+    white = cho_solve(factor, w.T)
+    score = -0.5 * np.sum(w.T * white, axis=0) - cost
+    starts = []
+    for i in np.argsort(-score)[:STARTS]:
+        followed = dict(zip(base.mode.names, base.linearised.jacobian.T @ white[:, i], strict=True))
+        start = np.array([followed.get(name, u[i, k]) for k, name in enumerate(forward.priors.names)])
+        starts.append(np.clip(start, -5.0, 5.0))
+    return starts
 
 
 def scout_shifts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, FloatArray]:
     """How far each scouted size of the candidates moves the entries, (scouts, entries), and its prior cost
     (scouts,) in nats."""
-    theta, own = _scouts(forward, base)
+    u, own = _scouts(forward, base)
+    theta = forward.priors.from_normal(u)
     neutral = neutral_parameters(forward, theta[0])
-    predicted = forward.predict(np.concatenate([theta, neutral[None]]))
-    cost = 0.5 * np.sum(forward.priors.to_normal(theta)[:, own] ** 2, axis=1)
-    return predicted[:-1] - predicted[-1], cost
+    predicted = forward.representative.predict(np.concatenate([theta, neutral[None]]))
+    return predicted[:-1] - predicted[-1], 0.5 * np.sum(u[:, own] ** 2, axis=1)
 
 
 def _scouts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, list[int]]:
-    """Parameter vectors (scouts, params): the base mode with draws of the candidates' own; which are own."""
-    mode = np.array([base.parameters.get(p.name, p.default) for p in forward.parameters])
+    """Points (scouts, params) in prior coordinates: the base mode with draws of the candidates' own
+    parameters; and which those are."""
+    known = dict(zip(base.mode.names, base.mode.u, strict=True))
+    default = forward.priors.to_normal(np.array([p.default for p in forward.parameters]))
+    mode = np.array([known.get(p.name, default[i]) for i, p in enumerate(forward.parameters)])
     own = [i for i, p in enumerate(forward.parameters) if forward.own(p.name)]
     if not own:
         return mode[None], own
-    points = qmc.Sobol(len(own), scramble=False).random(SCOUTS + 1)[1:]
-    u = np.zeros((SCOUTS, len(mode)))
+    u = np.tile(mode, (SCOUTS, 1))
     # wider than the prior: effects larger than expected are scouted too
+    points = qmc.Sobol(len(own), scramble=False).random(2 * SCOUTS)[1 : SCOUTS + 1]
     u[:, own] = SCOUT_WIDTH * ndtri(np.clip(points, 1e-6, 1 - 1e-6))
-    theta = forward.priors.from_normal(u)
-    keep = [i for i in range(len(mode)) if i not in own]
-    theta[:, keep] = mode[keep]
-    return theta, own
+    return u, own
 
 
 def _marginal_evidence(

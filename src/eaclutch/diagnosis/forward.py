@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -22,54 +23,114 @@ UNPREDICTED = 0.5
 class Forward:
     """Predictions of the data vector under one set of effects.
 
-    ``priors`` holds the calibrated parameters first, then those of ``candidates`` (effects on top of the
-    campaign's own model).
+    ``priors`` holds the free parameters: the calibrated ones and those of ``candidates`` (effects on top of the
+    campaign's own model), without those that move nothing in this campaign.
     """
 
     def __init__(self, model: ClutchModel, data: DataVector, candidates: Sequence[str] = ()):
         self.model, self.data, self.candidates = model, data, tuple(candidates)
-        self.priors = Priors.of(tuple(p for p in model.parameters.values() if self._free(p.name)))
+        free = [p for p in model.parameters.values() if self._free(p.name)]
+        if self.candidates:
+            idle = self._idle([p for p in free if self.own(p.name)])
+            free = [p for p in free if p.name not in idle]
+        self.priors = Priors.of(tuple(free))
+
+    def own(self, name: str) -> bool:
+        """Whether a parameter belongs to one of the candidates."""
+        return "." in name and name.split(".")[0] in self.candidates
 
     def _free(self, name: str) -> bool:
         """Base effects' weights stay at one unless they are candidates; the force at switch-off is measured,
         so where a run stands in its stick-slip cycle is not a parameter here."""
         return name != "slip_phase" and (not name.endswith(".strength") or self.own(name))
 
+    def _idle(self, own: Sequence[Parameter]) -> set[str]:
+        """Names of own parameters that move no entry (the offset of a session that this campaign lacks)."""
+        priors = Priors.of(tuple(own))
+        points = np.concatenate([np.full((1, len(own)), 0.7), 0.7 + 0.6 * np.eye(len(own))])
+        theta = priors.from_normal(points)
+        found = self.representative.predict_named(
+            {n: theta[:, i] for i, n in enumerate(priors.names)}, len(theta)
+        )
+        moved = np.max(np.abs(found[1:] - found[0]), axis=1) > 1e-7
+        return {name for name, moves in zip(priors.names, moved, strict=True) if not moves}
+
     @property
     def parameters(self) -> tuple[Parameter, ...]:
         return self.priors.parameters
 
-    def own(self, name: str) -> bool:
-        """Whether a parameter belongs to one of the candidates."""
-        return name.split(".")[0] in self.candidates
+    @cached_property
+    def representative(self) -> RepresentativeForward:
+        """The same model on one run a group: an eighth of the cost, for derivatives and scouting."""
+        return RepresentativeForward(self)
+
+    def named(self, theta: FloatArray) -> dict[str, FloatArray]:
+        """Parameters (draws, params) by name."""
+        return {name: theta[:, i] for i, name in enumerate(self.priors.names)}
 
     def predict(self, theta: FloatArray) -> FloatArray:
         """Entries (draws, entries) for parameters (draws, params) in natural units."""
         theta = np.atleast_2d(theta)
-        named = {name: theta[:, i] for i, name in enumerate(self.priors.names)}
-        runs = self.runs(named)
-        flat = runs.reshape(len(theta), -1)
-        return np.concatenate([flat @ self.data.average.T, self._bench(named, len(theta))], axis=1)
+        named = self.named(theta)
+        flat = self.runs(named).reshape(len(theta), -1)
+        return np.concatenate([flat @ self.data.average.T, self.bench(named, len(theta))], axis=1)
 
-    def runs(self, named: dict[str, FloatArray]) -> FloatArray:
+    def runs(self, named: Mapping[str, FloatArray]) -> FloatArray:
         """Run-level predictions on the comparison scale, (draws, channels, runs), finite throughout."""
         scaled = predict_scaled(self.model, self.data.conditions, named, self.data.channels)
         off = np.nan_to_num(self.data.run_values) + UNPREDICTED
         return np.where(np.isfinite(scaled), scaled, off)
 
-    def _bench(self, named: dict[str, FloatArray], draws: int) -> FloatArray:
+    def bench(self, named: Mapping[str, FloatArray], draws: int) -> FloatArray:
+        """Bench entries (draws, bench entries) on the comparison scale."""
         bench: BenchEntries = self.data.bench
         out = np.zeros((draws, len(bench.values)))
         rows = np.flatnonzero(bench.block == "capacitance")
         if len(rows):
-            out[:, rows] = np.log(self.model.capacitance(bench.setting[rows], bench.width[rows], named))
+            capacitance = self.model.capacitance(bench.setting[rows], bench.width[rows], named)
+            out[:, rows] = np.log(np.maximum(capacitance, 1e-15))
         rows = np.flatnonzero(bench.block == "permittivity")
         if len(rows):
             out[:, rows] = np.log(self.model.permittivity(bench.setting[rows], named))
         rows = np.flatnonzero(bench.block == "bursts")
         if len(rows):
-            out[:, rows] = _burst_logs(named)
+            full = {name: np.broadcast_to(named.get(name, self.model.parameters[name].default), draws)
+                    for name in ("stiffness", "mass", "damping")}  # fmt: skip
+            out[:, rows] = _burst_logs(full)
         return out
+
+
+class RepresentativeForward:
+    """Predictions of the data vector from one run a (condition, session): the one nearest to its group's mean
+    force at switch-off. Good for differences, not for residuals."""
+
+    def __init__(self, full: Forward):
+        self.full = full
+        data = full.data
+        groups = data.groups
+        force = np.nan_to_num(data.conditions.switch_off_force)
+        chosen = []
+        for label in range(int(groups.max()) + 1):
+            rows = np.flatnonzero(groups == label)
+            chosen.append(rows[int(np.argmin(np.abs(force[rows] - np.median(force[rows]))))])
+        self.rows = np.array(chosen)
+        self.conditions = data.conditions.select(self.rows)
+        self.channel = np.array(
+            [[c.name for c in data.channels].index(n) for n in data.channel[: data.run_entries]]
+        )
+        self.group = data.entry_group
+
+    def predict(self, theta: FloatArray) -> FloatArray:
+        """Entries (draws, entries) for parameters (draws, params) in natural units."""
+        theta = np.atleast_2d(theta)
+        return self.predict_named(self.full.named(theta), len(theta))
+
+    def predict_named(self, named: Mapping[str, FloatArray], draws: int) -> FloatArray:
+        """The same for parameters by name; missing ones take their default."""
+        scaled = predict_scaled(self.full.model, self.conditions, named, self.full.data.channels)
+        finite = np.where(np.isfinite(scaled), scaled, 0.0)
+        entries = finite[:, self.channel, self.group]
+        return np.concatenate([entries, self.full.bench(named, draws)], axis=1)
 
 
 def predict_scaled(
@@ -86,7 +147,7 @@ def predict_scaled(
     return np.stack([channel.forward(prediction.values[channel.name]) for channel in channels], axis=1)
 
 
-def _burst_logs(named: dict[str, FloatArray]) -> FloatArray:
+def _burst_logs(named: Mapping[str, FloatArray]) -> FloatArray:
     """log frequency [Hz] and log damping ratio of the bare load cell's free swing, (draws, 2)."""
     k, m, b = named["stiffness"], named["mass"], named["damping"]
     ratio = b / (2.0 * np.sqrt(k * m))

@@ -65,13 +65,13 @@ def summarise(
     runs = data.condition != ""
     adequate, blocks = adequacy(fitted.linearised, left, np.where(runs, data.block, ""), null)
     own, calibrated = {}, {}
-    modes, sds = fitted.laplace.mode, fitted.laplace.sd
+    mode = fitted.mode
     for i, parameter in enumerate(forward.parameters):
-        entry = {"mean": float(modes[i]), "sd": float(sds[i]), "unit": parameter.unit}
+        entry = {"mean": float(mode.theta[i]), "sd": float(mode.sd[i]), "unit": parameter.unit}
         if forward.own(parameter.name):
             own[parameter.name.split(".", 1)[1]] = entry
         elif "." not in parameter.name:
-            calibrated[parameter.name] = entry | {"prior_sds": float(fitted.laplace.u_mode[i])}
+            calibrated[parameter.name] = entry | {"prior_sds": float(mode.u[i])}
     return CandidateResult(
         fitted.effects,
         fitted.log_evidence,
@@ -84,5 +84,5 @@ def summarise(
         own,
         calibrated,
         fitted.multipliers,
-        fitted.laplace.converged,
+        mode.converged,
     )

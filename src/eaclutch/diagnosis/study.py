@@ -32,6 +32,9 @@ from eaclutch.records import (
 )
 from eaclutch.rig.table import conditions_from_runs
 
+# Local error of the film's position: 1 us in a release time, half the cost of the default.
+SOLVER_TOLERANCE = 1e-3
+
 
 @dataclass(frozen=True)
 class DiagnosisInputs:
@@ -90,7 +93,9 @@ class Study:
         """The campaign's model with ``effects`` on top, in the library's order."""
         chosen = set(self.inputs.effects) | set(effects)
         names = tuple(name for name in EFFECTS if name in chosen)
-        return ClutchModel(self.inputs.bench, names, **(self.inputs.model_options or {}))
+        return ClutchModel(
+            self.inputs.bench, names, tolerance=SOLVER_TOLERANCE, **(self.inputs.model_options or {})
+        )
 
     def _explained(self, first: DataVector) -> FloatArray:
         """Run-level predictions of the base model after a first fit, (channels, runs)."""

@@ -1,0 +1,105 @@
+"""The most probable parameters of a hypothesis: Gauss-Newton with a cheap Jacobian and exact residuals.
+
+The Jacobian is taken on one representative run a group (condition, session), the residuals on all runs: repeats
+differ in the force at switch-off, which the residuals must follow, but hardly in how a parameter moves them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+
+from eaclutch.diagnosis.forward import Forward
+from eaclutch.inference.priors import Priors
+from eaclutch.records import FloatArray
+
+STEP = 0.03  # finite differences, in prior sds
+SHORTER = np.array([1.0, 0.5, 0.2, 0.05])  # fractions of a Gauss-Newton step that are tried at once
+LARGEST_STEP = 3.0  # prior sds a parameter may move at once
+ITERATIONS = 10
+ENOUGH = 0.05  # nats of predicted gain below which a fit has converged
+
+
+@dataclass(frozen=True)
+class Mode:
+    """A mode in standard normal prior coordinates ``u`` (params,), with the Jacobian of the data vector there.
+
+    theta, sd (params,): natural units; predicted (entries,); jacobian (entries, params), d prediction / d u;
+    covariance (params, params) of u; converged.
+    """
+
+    priors: Priors
+    u: FloatArray
+    theta: FloatArray
+    sd: FloatArray
+    predicted: FloatArray
+    jacobian: FloatArray
+    covariance: FloatArray
+    converged: bool
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        return self.priors.names
+
+
+def find_mode(
+    forward: Forward,
+    values: FloatArray,
+    covariance_at: Callable[[FloatArray], FloatArray],
+    u: FloatArray,
+    jacobian: FloatArray | None = None,
+) -> Mode:
+    """Maximise -r' C^-1 r / 2 - u'u / 2 from ``u`` (params,).
+
+    covariance_at(theta) gives C (entries, entries): it holds a share of the effect's own signature, so it is
+    worked out again while the fit still moves. ``jacobian``: a first guess that saves its computation.
+    """
+    priors = forward.priors
+    predicted = forward.predict(priors.from_normal(u))[0]
+    converged = False
+    for iteration in range(ITERATIONS):
+        if iteration < 3:
+            factor = cho_factor(covariance_at(priors.from_normal(u)), lower=True)
+        if iteration > 0 or jacobian is None:
+            jacobian = columns(forward, u)
+        weighted = cho_solve(factor, jacobian)
+        residual = values - predicted
+        hessian = jacobian.T @ weighted + np.eye(len(u))
+        step = np.linalg.solve(hessian, weighted.T @ residual - u)
+        gain = 0.5 * float(step @ hessian @ step)
+        if gain < ENOUGH and iteration > 0:
+            converged = True
+            break
+        step *= min(1.0, LARGEST_STEP / max(float(np.max(np.abs(step))), 1e-12))
+        trials = u + SHORTER[:, None] * step
+        found = forward.predict(priors.from_normal(trials))
+        cost = _cost(values - found, trials, factor)
+        best = int(np.argmin(cost))
+        if cost[best] >= _cost(residual[None], u[None], factor)[0]:
+            converged = gain < 1.0
+            if iteration > 0:
+                break
+            continue
+        u, predicted = trials[best], found[best]
+    jacobian = columns(forward, u)
+    posterior = np.linalg.inv(jacobian.T @ cho_solve(factor, jacobian) + np.eye(len(u)))
+    theta = priors.from_normal(u)
+    sd = np.abs(priors.slope(u)) * np.sqrt(np.diag(posterior))
+    return Mode(priors, u, theta, sd, predicted, jacobian, posterior, converged)
+
+
+def columns(forward: Forward, u: FloatArray) -> FloatArray:
+    """d prediction / d u (entries, params) by forward differences on the representative runs."""
+    # away from the prior's far tail, where a step would be lost to the bounds
+    step = np.where(u > 4.0, -STEP, STEP)
+    points = np.concatenate([u[None], u + np.diag(step)])
+    found = forward.representative.predict(forward.priors.from_normal(points))
+    return ((found[1:] - found[0]) / step[:, None]).T
+
+
+def _cost(residual: FloatArray, u: FloatArray, factor: tuple) -> FloatArray:
+    white = cho_solve(factor, residual.T)
+    return 0.5 * np.sum(residual.T * white, axis=0) + 0.5 * np.sum(u**2, axis=1)
