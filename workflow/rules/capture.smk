@@ -28,7 +28,7 @@ checkpoint capture:
     message:
         "capture: list and check the recordings"
     shell:
-        "eaclutch --log {log} capture --campaign {params.campaign:q} --settings {params.settings:q}"
+        "eaclutch --log {log} capture-check --campaign {params.campaign:q} --settings {params.settings:q}"
         " --seed {params.seed} --output {output:q}"
 
 

@@ -5,10 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import replace
+from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 import yaml
 from tqdm import tqdm
 
@@ -25,9 +27,11 @@ from eaclutch.rig.link.session import Operator, Unattended, describe, run_sessio
 from eaclutch.rig.link.store import CampaignStore, captured_runs, missing_slots
 from eaclutch.rig.link.suggest import plan_from_suggestions
 from eaclutch.rig.link.transfer import TransferFault
+from eaclutch.rig.log_names import log_name
 
 _FOLDER = click.Path(file_okay=False, path_type=Path)
 _FILE = click.Path(dir_okay=False, path_type=Path)
+_SIMULATED_FROM = datetime(2025, 1, 1, 9)
 _SHOWN = (
     "shear_capacity_n",
     "engagement_time_s",
@@ -189,14 +193,53 @@ def say_missing(plan: Plan, plan_file: Path, campaign: Path, excluded: Mapping[s
 @click.option(
     "--settings", default="{}", help="JSON with the config's capture part and observables.batch_size."
 )
+@click.option("--seed", type=int, default=0, show_default=True, help="Of the simulated rig.")
 @click.option("--output", type=_FILE, required=True, help="capture.json.")
-def capture_check(campaign: Path, settings: str, output: Path) -> None:
-    """Check a campaign, and the plan against it where one is named, and list it. Never asks, never captures."""
+def capture_check(campaign: Path, settings: str, seed: int, output: Path) -> None:
+    """Check a campaign, and the plan against it where one is named, and list it. Never asks.
+
+    Where the settings say that the source is simulated, the simulated rig adds what is missing first.
+    """
     chosen: dict[str, Any] = json.loads(settings)
+    source = chosen.get("capture", {}).get("source", "recordings")
     plan_file = chosen.get("capture", {}).get("plan")
+    if source != "recordings" and not plan_file:
+        raise InputError(
+            "capture.plan", f"is not there, source {source} needs one", "name a plan (config/plan.yaml)"
+        )
+    if source == "simulated":
+        _simulate(read_plan(Path(plan_file)), campaign, chosen["capture"].get("effects", {}), seed)
     if plan_file:
         say_missing(read_plan(Path(plan_file)), Path(plan_file), campaign, load_bench(campaign).exclude)
     write_capture(open_campaign(campaign), chosen.get("observables.batch_size", 24), output)
+
+
+def _simulate(plan: Plan, campaign: Path, effects: Mapping[str, Mapping[str, float]], seed: int) -> None:
+    """Let the simulated rig add what the campaign lacks of the plan; each run has its own seed and stamp."""
+    from eaclutch.physics.effects import BASE
+    from eaclutch.simulation.live import LiveBench
+
+    bench = load_bench(campaign)
+    missing = set(missing_slots(plan, campaign, bench.exclude))
+    if not missing:
+        return
+    values = {f"{effect}.{name}": value for effect, own in effects.items() for name, value in own.items()}
+    live = LiveBench(bench, (*BASE, *effects), values, plan.timing, np.random.default_rng(seed))
+    with CampaignStore(campaign) as store:
+        for number, slot in enumerate(plan.slots):
+            if slot in missing:
+                recording = live.record(
+                    slot.setting, slot.command, number, np.random.default_rng([seed, number])
+                )
+                name = log_name(slot.settings(_SIMULATED_FROM + timedelta(minutes=number)))
+                record = {
+                    "schema": 1,
+                    "plan": plan.name,
+                    "source": "simulated",
+                    "effects": effects,
+                    "seed": seed,
+                }
+                store.add(recording, name, plan.log_format, record)
 
 
 @click.command("capture-plan")

@@ -45,6 +45,14 @@ class LiveBench:
 
     def __call__(self, setting: BenchSetting, command: Command) -> Recording:
         """The recording of one more run, (samples,) columns. Raises InputError for a substrate the bench lacks."""
+        recording = self.record(setting, command, self.runs, self.rng)
+        self.runs += 1
+        return recording
+
+    def record(
+        self, setting: BenchSetting, command: Command, run_order: int, rng: np.random.Generator
+    ) -> Recording:
+        """The recording of the run that is number ``run_order`` of the session, with its own generator."""
         bench = replace(self.bench, stage_speed=command.speed)
         preload = LIGHT_PRELOAD if setting.preload is None else setting.preload
         planned = PlannedRun(
@@ -58,12 +66,9 @@ class LiveBench:
         timing = RecordTiming(
             self.timing.before, command.travel, self.timing.after, self.timing.sample_period
         )
-        factor = np.exp(self.noise.preload_scatter_run * self.rng.standard_normal(1))
+        factor = np.exp(self.noise.preload_scatter_run * rng.standard_normal(1))
         conditions = conditions_of(Plan((planned,), timing), bench, self.values, factor)
-        conditions = replace(conditions, run_order=np.array([float(self.runs)]))
-        self.runs += 1
-        zero = self.zero + self.noise.zero_run * self.rng.standard_normal()
+        conditions = replace(conditions, run_order=np.array([float(run_order)]))
+        zero = self.zero + self.noise.zero_run * rng.standard_normal()
         settings = settings_of(planned, timing, bench)
-        return record_run(
-            self.model, conditions, 0, self.values, settings, timing, zero, self.noise, self.rng
-        )
+        return record_run(self.model, conditions, 0, self.values, settings, timing, zero, self.noise, rng)
