@@ -23,8 +23,8 @@ from eaclutch.reporting.diagnosis_figures import (
 from eaclutch.reporting.drawing import Picture
 from eaclutch.reporting.posterior_figures import corner_figure, trace_figure
 from eaclutch.reporting.prediction_figures import coverage_figure, prediction_figures
-from eaclutch.reporting.results import Results
-from eaclutch.reporting.thumbnails import HEIGHT, WIDTH, thumbnails
+from eaclutch.reporting.results import STAGES, Results
+from eaclutch.reporting.thumbnails import HEIGHT, WIDTH, Thumbnail, thumbnails
 from eaclutch.reporting.words import effect_words, measured, number, observable_words, percent
 
 _TEMPLATES = Path(__file__).parent / "templates"
@@ -60,7 +60,7 @@ def render(results: Results, config: Mapping[str, Any]) -> str:
         "observable": observable_words,
         "effects": effect_words,
     }
-    diagnosis = results.diagnosis
+    diagnosis, shown = results.diagnosis, thumbnails(results)
     return environment.get_template("report.html.j2").render(
         style=Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8")),
         results=results,
@@ -80,9 +80,9 @@ def render(results: Results, config: Mapping[str, Any]) -> str:
         traces=_some(*(trace_figure(stage, draws) for stage, draws in results.draws.items())),
         stage_notes={stage: draws.notes for stage, draws in results.draws.items() if draws.notes},
         benches=bench_figures(results),
-        thumbnails=thumbnails(results),
+        thumbnails=shown,
         thumbnail_size=(WIDTH, HEIGHT),
-        unused=_unused(results),
+        unused=_unused(shown),
         config=json.dumps(
             {**config, "campaign": Path(config.get("campaign", results.name)).name}, indent=1, sort_keys=True
         ),
@@ -119,20 +119,11 @@ def _parameters(summary: Mapping[str, Any]) -> list[ParameterRow]:
             converged=part.get("converged"),
             source=part.get("source", ""),
         )
-        for stage, part in summary.items()
-        if isinstance(part, Mapping)
+        for stage, part in ((stage, summary[stage]) for stage in STAGES if stage in summary)
         for name, entry in part.get("parameters", {}).items()
     ]
 
 
-def _unused(results: Results) -> list[tuple[str, str]]:
+def _unused(shown: list[Thumbnail]) -> list[tuple[str, str]]:
     """Runs that are not used, and why."""
-    rows = results.runs[results.runs["usable"].astype(str).str.lower() != "true"]
-    excluded = results.quality.get("excluded") or {}
-    found = []
-    for row in rows.to_dict("records"):
-        reason = excluded.get(row["run"]) or ", ".join(
-            filter(None, [row["flags"].replace(";", ", ").replace("_", " ")])
-        )
-        found.append((row["run"], reason or row["reasons"].replace(";", ", ").replace("_", " ")))
-    return found
+    return [(item.run, item.why) for item in shown if not item.usable]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+from scipy.stats import gaussian_kde
 
 from eaclutch.reporting.drawing import BLUE, GREY, SERIES, Picture, canvas, picture
 from eaclutch.reporting.results import StageDraws
@@ -101,8 +102,8 @@ def _marginal(axes: Any, values: np.ndarray, prior: np.ndarray | None) -> None:
     axes.set_yticks([])
     if prior is not None and np.ptp(prior) > 0:
         limits = axes.get_xlim()
-        height, edges = np.histogram(prior, bins=60, density=True)
-        axes.plot((edges[1:] + edges[:-1]) / 2, height, color=GREY, lw=1.2)
+        points = np.linspace(*limits, 80)
+        axes.plot(points, gaussian_kde(prior)(points), color=GREY, lw=1.2)
         axes.set_xlim(limits)
 
 

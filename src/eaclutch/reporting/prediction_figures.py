@@ -78,7 +78,7 @@ def coverage_figure(results: Results) -> Picture | None:
         axes.plot(shares["mean"], y, "o", color=BLUE)
         axes.axvline(0.9, color=INK, ls="--", lw=1.2)
         axes.set_yticks(y, [observable_words(name) for name in shares.index])
-        axes.set(xlabel="share of measured values inside the 90 % interval (1)", xlim=(0, 1.02))
+        axes.set(xlabel="share inside the 90 % interval (1)", xlim=(0, 1.02))
         axes.grid(axis="y", visible=False)
         return picture(
             figure,

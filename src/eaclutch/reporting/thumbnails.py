@@ -15,13 +15,15 @@ WIDTH, HEIGHT = 200, 64
 
 @dataclass(frozen=True)
 class Thumbnail:
-    """A run on the page: name, what it was, whether it is used, flags, reasons, and its picture (SVG path data)."""
+    """A run on the page: name, what it was, whether it is used, flags, what it does
+    not yield (by reason), why it is not used, and its picture (SVG path data)."""
 
     run: str
     title: str
     usable: bool
     flags: tuple[str, ...]
     reasons: tuple[str, ...]
+    why: str
     path: str
     shade: tuple[float, float] | None
     force: str
@@ -36,17 +38,20 @@ def _thumbnail(row: dict, results: Results) -> Thumbnail:
     frequency = "DC" if row["frequency_hz"] == 0.1 else f"{row['frequency_hz']:g} Hz"
     trace = results.traces.get(row["run"])
     path, shade, force = _drawn(trace)
-    excluded = (results.quality.get("excluded") or {}).get(row["run"])
-    reasons = [f"left out: {excluded}"] if excluded else []
+    by_reason: dict[str, list[str]] = {}
     for item in filter(None, str(row["reasons"]).split(";")):
         name, _, reason = item.partition(":")
-        reasons.append(f"{observable_words(name)}: {reason.replace('_', ' ')}")
+        by_reason.setdefault(reason.replace("_", " "), []).append(observable_words(name))
+    reasons = [f"{reason}: {', '.join(names)}" for reason, names in by_reason.items()]
+    flags = tuple(flag.replace("_", " ") for flag in str(row["flags"]).split(";") if flag)
+    excluded = (results.quality.get("excluded") or {}).get(row["run"])
     return Thumbnail(
         run=row["run"],
         title=f"{row['voltage_v']:g} V, {frequency}, {row['width_mm']:g} mm, {row['session']}",
         usable=str(row["usable"]).lower() == "true",
-        flags=tuple(flag.replace("_", " ") for flag in str(row["flags"]).split(";") if flag),
+        flags=flags,
         reasons=tuple(reasons),
+        why=f"left out: {excluded}" if excluded else "; ".join(dict.fromkeys([*flags, *by_reason])),
         path=path,
         shade=shade,
         force=force,

@@ -1,0 +1,65 @@
+"""The command line: every command has help, errors are one line."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from pathlib import Path
+
+import click
+import pytest
+
+from eaclutch.cli import group
+
+
+def paths() -> list[tuple[str, ...]]:
+    found: list[tuple[str, ...]] = []
+    context = click.Context(group)
+    for name in group.list_commands(context):
+        command = group.get_command(context, name)
+        found.append((name,))
+        if isinstance(command, click.Group):
+            found += [(name, inner) for inner in command.list_commands(click.Context(command))]
+    return found
+
+
+@pytest.mark.parametrize("path", paths(), ids=" ".join)
+def test_every_command_has_help(path: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
+    from eaclutch.cli import main
+
+    with pytest.raises(SystemExit) as stop:
+        main([*path, "--help"])
+    assert stop.value.code == 0
+    text = capsys.readouterr().out
+    assert "Usage:" in text and len(text.splitlines()) > 4
+
+
+def test_names_of_commands_are_unique() -> None:
+    names = group.list_commands(click.Context(group))
+    assert len(names) == len(set(names))
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["no-such-command"],
+        ["capture", "--campaign", "nowhere", "--output", "x.json"],
+        ["capture"],
+        ["verify", "nowhere"],
+    ],
+)
+def test_an_error_is_one_line_and_a_status(arguments: list[str], tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-m", "eaclutch", *arguments], capture_output=True, text=True, cwd=tmp_path
+    )
+    assert done.returncode == 1
+    assert done.stdout == ""
+    lines = done.stderr.splitlines()
+    assert len(lines) == 1 and lines[0].startswith("eaclutch: error: ")
+
+
+def test_with_a_log_the_error_goes_there(tmp_path: Path) -> None:
+    command = [sys.executable, "-m", "eaclutch", "--log", "logs/a.log", "verify", "nowhere"]
+    done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
+    assert done.returncode == 1 and done.stderr == ""
+    assert (tmp_path / "logs" / "a.log").read_text().startswith("eaclutch: error: nowhere/manifest.json")
