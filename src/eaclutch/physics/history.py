@@ -24,9 +24,9 @@ def run_history(
     """
     table = tables()
     out, status = np.empty(len(RESULTS)), np.empty(len(STATUSES), dtype=np.int8)
-    segments = np.empty((SEGMENTS, COLUMNS))
+    segments, work = np.empty((SEGMENTS, COLUMNS)), np.empty((4, 6))
     driven = bool(row["voltage"] > 0.0)
-    simulate(row, table, driven, False, 0.005, tolerance, segments, out, status)
+    simulate(row, table, driven, False, 0.005, tolerance, segments, work, out, status)
     if status[0] == Status.pull_in:
         raise InputError(
             "parameters", "the film pulls in under this voltage", "lower the voltage or the force"
@@ -51,7 +51,7 @@ def run_history(
             start["switch_off_force"] = held
         else:  # the run is known to have ended at this force: the hold says so too
             force[(time > stop) & (time <= off)] = start["switch_off_force"]
-        _, n, level, _ = trace(start, table, tolerance, segments)
+        _, n, level, _ = trace(start, table, tolerance, segments, work)
         delay = float(row["drive_delay"])
         moving = [force_at(segments, n, t - off - delay, level) if n else level for t in time[after]]
         force[after] = moving

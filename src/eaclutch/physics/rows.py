@@ -138,6 +138,7 @@ def fill_rows(
         * width
         * sigma**1.5,
         "sigma": sigma,
+        "inverse_sigma": 1.0 / sigma,
         "film_mass": bench.film_density * values["film_thickness"] * pad.overlap_length * width,
         "damping": laws.squeeze_film_coefficient(pad.overlap_length, width) * sockets.damping_factor,
         "substrate_weight": laws.GRAVITY * substrate_mass(bench, conditions),

@@ -6,7 +6,7 @@
   or a = d / sigma, u = h / sigma (clamped rule), so one table serves all parameters.
 * relaxation: E_alpha(-y^alpha) on a grid of (alpha, log y).
 
-The 2-D tables hold value and derivatives (f, f_x, f_y, f_xy) a node for bicubic Hermite interpolation.
+Each cell holds its polynomial (cubic; bicubic 4 x 4) in the cell's own coordinates, 0 .. 1.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from eaclutch.records import FloatArray
 
 
 class Tables(NamedTuple):
-    """contact: (points, 2) log G and its x-derivative; roughness, relaxation: (rows, columns, 4)."""
+    """Flat: contact (cells, 4); roughness, relaxation (row cells, column cells, 4, 4), row power first."""
 
     contact: FloatArray
     roughness: FloatArray
@@ -38,16 +38,18 @@ RELAX_Y0, RELAX_Y_STEP, RELAX_Y_N = -36.0, 0.2, 311  # log y in [-36, 26]
 
 
 def contact_table() -> FloatArray:
-    """(points, 2): log G and d log G / dx, by the parabolic cylinder functions D_{-5/2}, D_{-3/2}."""
+    """(cells, 4): log G, value and slope at the nodes by the parabolic cylinder functions D_{-5/2}, D_{-3/2}."""
     x = CONTACT_X0 + CONTACT_STEP * np.arange(CONTACT_N)
     constant = gammaln(2.5) - 0.5 * np.log(2 * np.pi)
     upper, lower = pbdv(-2.5, x)[0], pbdv(-1.5, x)[0]
     # G' = -1.5 G_0.5, and G_0.5 = Gamma(1.5) / sqrt(2 pi) exp(-x^2/4) D_{-3/2}: the ratio needs no exponential
-    return np.column_stack([constant - x * x / 4 + np.log(upper), -lower / upper])
+    value, slope = constant - x * x / 4 + np.log(upper), -lower / upper * CONTACT_STEP
+    ends = np.stack([value[:-1], slope[:-1], value[1:], slope[1:]], axis=-1)
+    return np.ascontiguousarray(ends @ _HERMITE.T)
 
 
 def roughness_table() -> FloatArray:
-    """(rows log a, columns u, 4) of log J; quadrature by the trapezium rule in log(a + t) with its endpoint
+    """Cells (log a, u) of log J; quadrature by the trapezium rule in log(a + t) with its endpoint
     terms removed by a double-exponential map at the cut."""
     log_a = ROUGH_A0 + ROUGH_A_STEP * np.arange(ROUGH_A_N)
     u = ROUGH_U0 + ROUGH_U_STEP * np.arange(ROUGH_U_N)
@@ -60,11 +62,11 @@ def roughness_table() -> FloatArray:
     top = log_gauss.max(axis=1, keepdims=True)
     values = np.exp(kernel - kernel.max()) @ np.exp(log_gauss - top).T
     values = np.log(values) + kernel.max() + top.T
-    return _with_derivatives(values, ROUGH_A_STEP, ROUGH_U_STEP)
+    return _cells(values)
 
 
 def relaxation_table() -> FloatArray:
-    """(rows alpha, columns log y, 4) of E_alpha(-y^alpha), by its spectral integral in s = log r."""
+    """Cells (alpha, log y) of E_alpha(-y^alpha), by its spectral integral in s = log r."""
     alpha = RELAX_ALPHA0 + RELAX_ALPHA_STEP * np.arange(RELAX_ALPHA_N)
     y = np.exp(RELAX_Y0 + RELAX_Y_STEP * np.arange(RELAX_Y_N))
     values = np.empty((RELAX_ALPHA_N, RELAX_Y_N))
@@ -80,19 +82,27 @@ def relaxation_table() -> FloatArray:
         values[row] = (
             np.sin(np.pi * a) / (np.pi * a) * (np.exp(-np.minimum(np.outer(y, rate), 700.0)) @ weight)
         )
-    return _with_derivatives(values, RELAX_ALPHA_STEP, RELAX_Y_STEP)
+    return _cells(values)
 
 
-def _with_derivatives(values: FloatArray, row_step: float, column_step: float) -> FloatArray:
-    """(rows, columns, 4): f, f_row, f_column, f_row_column per *index* (unit cells), by tensor cubic splines."""
+# Polynomial coefficients of a cubic from (f0, f0', f1, f1') on the unit interval.
+_HERMITE = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [-3, -2, 3, -1], [2, 1, -2, 1]], dtype=float)
+
+
+def _cells(values: FloatArray) -> FloatArray:
+    """(row cells, column cells, 4, 4) bicubic polynomials through ``values``, derivatives by cubic splines."""
     rows, columns = np.arange(values.shape[0]), np.arange(values.shape[1])
     by_row = CubicSpline(rows, values, axis=0)(rows, 1)
     by_column = CubicSpline(columns, values, axis=1)(columns, 1)
     mixed = CubicSpline(columns, by_row, axis=1)(columns, 1)
-    return np.ascontiguousarray(np.stack([values, by_row, by_column, mixed], axis=-1))
+    # corner data as (f, f_row) x (f, f_column) at each node, then both ends of the cell in both directions
+    node = np.stack([np.stack([values, by_column], -1), np.stack([by_row, mixed], -1)], -2)
+    along_row = np.concatenate([node[:-1], node[1:]], axis=-2)
+    both = np.concatenate([along_row[:, :-1], along_row[:, 1:]], axis=-1)
+    return np.ascontiguousarray(_HERMITE @ both @ _HERMITE.T)
 
 
 @cache
 def tables() -> Tables:
     """The tables of this process."""
-    return Tables(contact_table(), roughness_table(), relaxation_table())
+    return Tables(contact_table().ravel(), roughness_table().ravel(), relaxation_table().ravel())

@@ -5,13 +5,15 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numba import njit, prange
+from numba import prange
 
+from eaclutch.physics.kernels.compiled import compiled, compiled_parallel, unmanaged
 from eaclutch.physics.kernels.engagement import engagement_time
 from eaclutch.physics.kernels.ramp import driven_run
 from eaclutch.physics.kernels.release import crossing, final_force, release
 from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, PULL_IN, TIMED_OUT, driven_gap, rest_before
 from eaclutch.physics.kernels.tip import COLUMNS, SEGMENTS
+from eaclutch.physics.tables import Tables
 
 # Columns of the results.
 RESULTS = (
@@ -21,7 +23,13 @@ RESULTS = (
 STATUSES = ("capacity", "engagement", "release")
 
 
-@njit(cache=True)
+@compiled
+def bare_tables(tables):
+    """The tables without reference counts."""
+    return Tables(unmanaged(tables.contact), unmanaged(tables.roughness), unmanaged(tables.relaxation))
+
+
+@compiled
 def steady(p, tables, out, status):
     """Fill the results that need no time stepping; True if there is an equilibrium with voltage."""
     preload, gap_before = rest_before(p, tables)
@@ -35,8 +43,8 @@ def steady(p, tables, out, status):
     return True
 
 
-@njit(cache=True)
-def simulate(p, tables, engage, releasing, fraction, tolerance, segments, out, status):
+@compiled
+def simulate(p, tables, engage, releasing, fraction, tolerance, segments, work, out, status):
     """One simulation; ``engage``, ``releasing`` say which of the two dynamic parts is wanted."""
     out[:] = math.nan
     status[:] = OK
@@ -51,7 +59,9 @@ def simulate(p, tables, engage, releasing, fraction, tolerance, segments, out, s
                 out[9] = time + p.drive_delay
     if not releasing:
         return 0
-    kind, n, rest_time, rest_force = release(p, out[0], out[1], out[2], out[4], tolerance, tables, segments)
+    kind, n, rest_time, rest_force = release(
+        p, out[0], out[1], out[2], out[4], tolerance, tables, segments, work
+    )
     status[2] = kind
     final = final_force(segments, n, rest_time, rest_force, out[4]) if kind != TIMED_OUT else math.nan
     out[13] = final
@@ -69,22 +79,25 @@ def simulate(p, tables, engage, releasing, fraction, tolerance, segments, out, s
     return n
 
 
-@njit(cache=True, parallel=True)
+@compiled_parallel
 def simulate_batch(rows, tables, engage, releasing, fraction, tolerance, out, statuses):
     """``rows`` (n,) of Row -> ``out`` (n, results), ``statuses`` (n, 3)."""
     blocks = 64
     for block in prange(blocks):
-        segments = np.empty((SEGMENTS, COLUMNS))
+        kept, scratch = np.empty((SEGMENTS, COLUMNS)), np.empty((4, 6))
+        segments, work, light = unmanaged(kept), unmanaged(scratch), bare_tables(tables)
         for i in range(block, len(rows), blocks):
-            simulate(rows[i], tables, engage, releasing, fraction, tolerance, segments, out[i], statuses[i])
+            simulate(
+                rows[i], light, engage, releasing, fraction, tolerance, segments, work, out[i], statuses[i]
+            )
 
 
-@njit(cache=True)
-def trace(p, tables, tolerance, segments):
+@compiled
+def trace(p, tables, tolerance, segments, work):
     """(status, segments used, force at switch-off, force at rest) of one release, for its history."""
     out, status = np.empty(len(RESULTS)), np.empty(3, dtype=np.int64)
     out[:] = math.nan
     if not steady(p, tables, out, status):
         return PULL_IN, 0, math.nan, math.nan
-    kind, n, _, rest = release(p, out[0], out[1], out[2], out[4], tolerance, tables, segments)
+    kind, n, _, rest = release(p, out[0], out[1], out[2], out[4], tolerance, tables, segments, work)
     return kind, n, out[4], rest

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from eaclutch.physics.kernels.compiled import compiled
 from eaclutch.physics.kernels.forces import adhesion
 from eaclutch.physics.kernels.statics import LEAST_LOAD, gap_at_load
 
 
-@njit(cache=True)
+@compiled
 def gaps_at_loads(rows, loads, tables, gaps):
     """Fill ``gaps`` (n,) [m] for ``rows`` (n,) and ``loads`` (n,) [N]."""
     for i in range(len(rows)):

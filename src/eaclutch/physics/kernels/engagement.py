@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from numba import njit
-
+from eaclutch.physics.kernels.compiled import compiled
+from eaclutch.physics.kernels.drive import ENGAGING
 from eaclutch.physics.kernels.film import net_force_slopes, next_step, rodas_step
-from eaclutch.physics.kernels.forces import ENGAGING
 from eaclutch.physics.kernels.statics import OK, TIMED_OUT
 
 LATEST = 0.1  # s
 
 
-@njit(cache=True)
+@compiled
 def engagement_time(p, preload, gap_before, gap_driven, fraction, tolerance, tables):
     """(status, time [s]) until the gap has gone ``fraction`` of the way from without to with voltage."""
     load = preload + p.film_weight
@@ -21,11 +20,11 @@ def engagement_time(p, preload, gap_before, gap_driven, fraction, tolerance, tab
         return _instant(p, load, gap_before, target, tables)
     t, h, v = 0.0, gap_before, 0.0
     scale = max(p.rise_time_constant, 1e-9)
-    dt = 0.02 * scale
-    slopes = net_force_slopes(p, 1e-3 * dt, h, v, load, gap_before, ENGAGING, tables)
+    dt = 0.1 * scale
+    slopes = net_force_slopes(p, 1e-2 * dt, h, v, load, gap_before, ENGAGING, tables)
     for _ in range(2000):
         new_h, new_v, error = rodas_step(p, t, h, v, dt, slopes, load, gap_before, ENGAGING, tables)
-        ratio = error / (tolerance * way)
+        ratio = error / (tolerance * (gap_before - gap_driven))
         if not ratio <= 1.0:
             dt = next_step(dt, ratio) if ratio == ratio else 0.2 * dt
             continue
@@ -39,29 +38,36 @@ def engagement_time(p, preload, gap_before, gap_driven, fraction, tolerance, tab
     return TIMED_OUT, LATEST
 
 
-@njit(cache=True)
+@compiled
 def _locate(p, t, h, v, dt, end_h, end_v, target, slopes, load, gap_before, tables):
-    """The crossing inside a step: bracketed secant on the step length, each trial a step of the method itself."""
-    low, low_f, high, high_f = 0.0, h - target, dt, end_h - target
-    length, length_v = dt, end_v
-    f = high_f
-    for _ in range(30):
-        # Newton from the last trial, kept inside the bracket
-        trial = length - f / length_v if length_v < 0.0 else 0.5 * (low + high)
-        if not low < trial < high:
-            trial = low + (high - low) * low_f / (low_f - high_f)
-        h_trial, length_v, _ = rodas_step(p, t, h, v, trial, slopes, load, gap_before, ENGAGING, tables)
-        f, length = h_trial - target, trial
+    """The crossing inside a step: first by the step's cubic, then by Newton with steps of the method itself."""
+    low, high, s = 0.0, 1.0, (h - target) / (h - end_h)
+    a, b, drop = v * dt, end_v * dt, end_h - h
+    for _ in range(20):  # cubic h + a s + (3 drop - 2 a - b) s^2 + (a + b - 2 drop) s^3
+        f = h - target + s * (a + s * (3.0 * drop - 2.0 * a - b + s * (a + b - 2.0 * drop)))
+        slope = a + s * (2.0 * (3.0 * drop - 2.0 * a - b) + 3.0 * s * (a + b - 2.0 * drop))
         if f > 0.0:
-            low, low_f = trial, f
+            low = s
         else:
-            high, high_f = trial, f
-        if abs(f) < 1e-9 * (gap_before - target):
+            high = s
+        new = s - f / slope
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - s) < 1e-6:
+            s = new
+            break
+        s = new
+    length = s * dt
+    for _ in range(4):
+        trial_h, trial_v, _ = rodas_step(p, t, h, v, length, slopes, load, gap_before, ENGAGING, tables)
+        step = (trial_h - target) / trial_v
+        length = min(max(length - step, 0.0), dt)
+        if abs(step) < 1e-4 * length:
             break
     return OK, t + length
 
 
-@njit(cache=True)
+@compiled
 def _instant(p, load, gap_before, target, tables):
     """Without damping: the time at which the force balance passes the target gap."""
     low, high = 0.0, 1e-9

@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
-from eaclutch.physics.kernels.forces import adhesion, contact, electroadhesion, squeeze
+from eaclutch.physics.kernels.compiled import compiled, inlined
+from eaclutch.physics.kernels.drive import electroadhesion, electroadhesion_slopes, fields_at
+from eaclutch.physics.kernels.forces import adhesion, contact, squeeze
 
 GAMMA = 0.25
 A21 = 1.544000000000000
@@ -25,34 +25,34 @@ D1, D2, D3, D4 = 0.25, -0.1043, 0.1035, -0.0362
 T2, T3, T4 = 0.386, 0.21, 0.63
 
 
-@njit(cache=True)
-def net_force(p, t, h, v, load, gap_before, phase, tables):
-    """Net upward force on the film [N]."""
+@inlined
+def net_force(p, fields, h, v, load, gap_before, tables):
+    """Net upward force on the film [N] in the fields of that instant."""
     up, _ = contact(p, h, tables)
-    down, _, _ = electroadhesion(p, h, t, phase, tables)
+    down = electroadhesion(p, fields, h, tables)
     pull, _ = adhesion(p, h)
     c, _ = squeeze(p, h)
     return up - down - pull - load + p.film_spring * (gap_before - h) - c * v
 
 
-@njit(cache=True)
+@inlined
 def net_force_slopes(p, t, h, v, load, gap_before, phase, tables):
     """(net force, d/dh, d/dv, d/dt)."""
     up, up_h = contact(p, h, tables)
-    down, down_h, down_t = electroadhesion(p, h, t, phase, tables)
+    down, down_h, down_t = electroadhesion_slopes(p, t, phase, h, tables)
     pull, pull_h = adhesion(p, h)
     c, c_h = squeeze(p, h)
     net = up - down - pull - load + p.film_spring * (gap_before - h) - c * v
     return net, up_h - down_h - pull_h - p.film_spring - c_h * v, -c, -down_t
 
 
-@njit(cache=True, inline="always")
+@inlined
 def _solve(determinant, g, gv, fh, r1, r2):
     """(k_h, k_v) of the 2x2 system [[g, -1], [-fh, gv]] k = r, gv = g - fv."""
     return (r1 * gv + r2) / determinant, (g * r2 + fh * r1) / determinant
 
 
-@njit(cache=True)
+@compiled
 def rodas_step(p, t, h, v, dt, slopes, load, gap_before, phase, tables):
     """(h, v, error in h) after one step; ``slopes`` = net_force_slopes at (t, h, v)."""
     inverse_mass = 1.0 / p.film_mass
@@ -65,17 +65,20 @@ def rodas_step(p, t, h, v, dt, slopes, load, gap_before, phase, tables):
     h1, v1 = _solve(determinant, g, gv, fh, v, f0 + D1 * dt * ft)
 
     a, b = h + A21 * h1, v + A21 * v1
-    f = net_force(p, t + T2 * dt, a, b, load, gap_before, phase, tables) * inverse_mass
+    fields = fields_at(p, t + T2 * dt, phase, tables)
+    f = net_force(p, fields, a, b, load, gap_before, tables) * inverse_mass
     h2, v2 = _solve(determinant, g, gv, fh, b + C21 * h1 * i, f + C21 * v1 * i + D2 * dt * ft)
 
     a, b = h + A31 * h1 + A32 * h2, v + A31 * v1 + A32 * v2
-    f = net_force(p, t + T3 * dt, a, b, load, gap_before, phase, tables) * inverse_mass
+    fields = fields_at(p, t + T3 * dt, phase, tables)
+    f = net_force(p, fields, a, b, load, gap_before, tables) * inverse_mass
     h3, v3 = _solve(
         determinant, g, gv, fh, b + (C31 * h1 + C32 * h2) * i, f + (C31 * v1 + C32 * v2) * i + D3 * dt * ft
     )
 
     a, b = h + A41 * h1 + A42 * h2 + A43 * h3, v + A41 * v1 + A42 * v2 + A43 * v3
-    f = net_force(p, t + T4 * dt, a, b, load, gap_before, phase, tables) * inverse_mass
+    fields = fields_at(p, t + T4 * dt, phase, tables)
+    f = net_force(p, fields, a, b, load, gap_before, tables) * inverse_mass
     h4, v4 = _solve(
         determinant, g, gv, fh,
         b + (C41 * h1 + C42 * h2 + C43 * h3) * i, f + (C41 * v1 + C42 * v2 + C43 * v3) * i + D4 * dt * ft,
@@ -83,7 +86,8 @@ def rodas_step(p, t, h, v, dt, slopes, load, gap_before, phase, tables):
 
     a = h + A51 * h1 + A52 * h2 + A53 * h3 + A54 * h4
     b = v + A51 * v1 + A52 * v2 + A53 * v3 + A54 * v4
-    f = net_force(p, t + dt, a, b, load, gap_before, phase, tables) * inverse_mass
+    fields = fields_at(p, t + dt, phase, tables)
+    f = net_force(p, fields, a, b, load, gap_before, tables) * inverse_mass
     h5, v5 = _solve(
         determinant, g, gv, fh,
         b + (C51 * h1 + C52 * h2 + C53 * h3 + C54 * h4) * i, f + (C51 * v1 + C52 * v2 + C53 * v3 + C54 * v4) * i,
@@ -91,7 +95,7 @@ def rodas_step(p, t, h, v, dt, slopes, load, gap_before, phase, tables):
 
     a += h5
     b += v5
-    f = net_force(p, t + dt, a, b, load, gap_before, phase, tables) * inverse_mass
+    f = net_force(p, fields, a, b, load, gap_before, tables) * inverse_mass
     h6, v6 = _solve(
         determinant, g, gv, fh,
         b + (C61 * h1 + C62 * h2 + C63 * h3 + C64 * h4 + C65 * h5) * i,
@@ -100,7 +104,7 @@ def rodas_step(p, t, h, v, dt, slopes, load, gap_before, phase, tables):
     return a + h6, b + v6, abs(h6)
 
 
-@njit(cache=True)
+@compiled
 def equilibrium(p, t, h, load, gap_before, phase, tables):
     """(h, dh/dt) where the forces balance at time t, from a start near it: the film without damping."""
     fh, ft = -1.0, 0.0
@@ -117,7 +121,7 @@ def equilibrium(p, t, h, load, gap_before, phase, tables):
     return h, -ft / fh
 
 
-@njit(cache=True, inline="always")
+@inlined
 def next_step(dt, error):
     """Step size after a step with this error ratio (order 4: fourth root), within [0.2, 5] of the last."""
     return dt * min(5.0, max(0.2, 0.9 * max(error, 1e-10) ** -0.25))

@@ -1,11 +1,10 @@
-"""Evaluation of the tables: cubic and bicubic Hermite interpolation with derivatives."""
+"""Evaluation of the tables: a cell's polynomial, with its slopes where they are asked for."""
 
 from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from eaclutch.physics.kernels.compiled import inlined
 from eaclutch.physics.tables import (
     CONTACT_N,
     CONTACT_STEP,
@@ -24,90 +23,105 @@ from eaclutch.physics.tables import (
     ROUGH_U_STEP,
 )
 
+CONTACT_RATE = 1.0 / CONTACT_STEP
+ROUGH_A_RATE, ROUGH_U_RATE = 1.0 / ROUGH_A_STEP, 1.0 / ROUGH_U_STEP
+RELAX_ALPHA_RATE, RELAX_Y_RATE = 1.0 / RELAX_ALPHA_STEP, 1.0 / RELAX_Y_STEP
+# Numbers from one row of cells to the next in the flat tables (flat: no views are made while solving).
+ROUGH_CELLS, RELAX_CELLS = 16 * (ROUGH_U_N - 1), 16 * (RELAX_Y_N - 1)
 ROUGH_U_TOP = ROUGH_U0 + ROUGH_U_STEP * (ROUGH_U_N - 1)
 
 
-@njit(cache=True, inline="always")
+@inlined
 def log_contact(x, table):
-    """(log G(x), d log G / dx); linear beyond the table."""
-    position = (x - CONTACT_X0) / CONTACT_STEP
-    i = int(position)
-    if position < 0.0:
-        return table[0, 0] + table[0, 1] * (x - CONTACT_X0), table[0, 1]
-    if i >= CONTACT_N - 1:
-        last = CONTACT_N - 1
-        return table[last, 0] + table[last, 1] * (x - CONTACT_X0 - CONTACT_STEP * last), table[last, 1]
-    s = position - i
-    f0, g0, f1, g1 = table[i, 0], table[i, 1] * CONTACT_STEP, table[i + 1, 0], table[i + 1, 1] * CONTACT_STEP
-    c2 = 3.0 * (f1 - f0) - 2.0 * g0 - g1
-    c3 = 2.0 * (f0 - f1) + g0 + g1
-    return f0 + s * (g0 + s * (c2 + s * c3)), (g0 + s * (2.0 * c2 + 3.0 * s * c3)) / CONTACT_STEP
+    """(log G(x), d log G / dx); straight on beyond the table."""
+    position = (x - CONTACT_X0) * CONTACT_RATE
+    i = min(max(int(position), 0), CONTACT_N - 2)
+    k = 4 * i
+    s = min(max(position - i, 0.0), 1.0)
+    c1, c2, c3 = table[k + 1], table[k + 2], table[k + 3]
+    slope = c1 + s * (2.0 * c2 + 3.0 * s * c3)
+    return table[k] + s * (c1 + s * (c2 + s * c3)) + slope * (position - i - s), slope * CONTACT_RATE
 
 
-@njit(cache=True)
-def bicubic(table, i, j, s, t):
-    """(f, df/ds, df/dt) in cell (i, j) at local coordinates s (rows), t (columns) in [0, 1]."""
-    t2, t3 = t * t, t * t * t
-    b0, b1 = 1.0 - 3.0 * t2 + 2.0 * t3, 3.0 * t2 - 2.0 * t3
-    c0, c1 = t - 2.0 * t2 + t3, t3 - t2
-    db0, db1 = 6.0 * (t2 - t), 6.0 * (t - t2)
-    dc0, dc1 = 1.0 - 4.0 * t + 3.0 * t2, 3.0 * t2 - 2.0 * t
-    p, q = table[i, j], table[i, j + 1]
-    r, w = table[i + 1, j], table[i + 1, j + 1]
-    f0 = b0 * p[0] + b1 * q[0] + c0 * p[2] + c1 * q[2]
-    g0 = b0 * p[1] + b1 * q[1] + c0 * p[3] + c1 * q[3]
-    f1 = b0 * r[0] + b1 * w[0] + c0 * r[2] + c1 * w[2]
-    g1 = b0 * r[1] + b1 * w[1] + c0 * r[3] + c1 * w[3]
-    df0 = db0 * p[0] + db1 * q[0] + dc0 * p[2] + dc1 * q[2]
-    dg0 = db0 * p[1] + db1 * q[1] + dc0 * p[3] + dc1 * q[3]
-    df1 = db0 * r[0] + db1 * w[0] + dc0 * r[2] + dc1 * w[2]
-    dg1 = db0 * r[1] + db1 * w[1] + dc0 * r[3] + dc1 * w[3]
-    s2, s3 = s * s, s * s * s
-    a0, a1, e0, e1 = 1.0 - 3.0 * s2 + 2.0 * s3, 3.0 * s2 - 2.0 * s3, s - 2.0 * s2 + s3, s3 - s2
-    value = a0 * f0 + a1 * f1 + e0 * g0 + e1 * g1
-    slope_t = a0 * df0 + a1 * df1 + e0 * dg0 + e1 * dg1
-    slope_s = 6.0 * (s2 - s) * (f0 - f1) + (1.0 - 4.0 * s + 3.0 * s2) * g0 + (3.0 * s2 - 2.0 * s) * g1
-    return value, slope_s, slope_t
+@inlined
+def cell_value(table, k, s, t):
+    """Bicubic polynomial of the cell that starts at ``table[k]`` at (s, t)."""
+    a = table[k] + t * (table[k + 1] + t * (table[k + 2] + t * table[k + 3]))
+    b = table[k + 4] + t * (table[k + 5] + t * (table[k + 6] + t * table[k + 7]))
+    c = table[k + 8] + t * (table[k + 9] + t * (table[k + 10] + t * table[k + 11]))
+    d = table[k + 12] + t * (table[k + 13] + t * (table[k + 14] + t * table[k + 15]))
+    return a + s * (b + s * (c + s * d))
 
 
-@njit(cache=True)
-def rough_kernel(a, u, table):
-    """(J, dJ/da, dJ/du) of the averaged force; z^-2 (1 + 3 z^-2 + 15 z^-4 + 105 z^-6) far from the cut."""
-    if u >= ROUGH_U_TOP:
-        y = 1.0 / (a + u)
-        y2 = y * y
-        slope = -y2 * y * (2.0 + y2 * (12.0 + y2 * (90.0 + y2 * 840.0)))
-        return y2 * (1.0 + y2 * (3.0 + y2 * (15.0 + y2 * 105.0))), slope, slope
-    row = (math.log(a) - ROUGH_A0) / ROUGH_A_STEP
-    column = (u - ROUGH_U0) / ROUGH_U_STEP
+@inlined
+def cell_slopes(table, k, s, t):
+    """(value, d/ds, d/dt) of the bicubic polynomial of the cell at ``table[k]``."""
+    a = table[k] + t * (table[k + 1] + t * (table[k + 2] + t * table[k + 3]))
+    b = table[k + 4] + t * (table[k + 5] + t * (table[k + 6] + t * table[k + 7]))
+    c = table[k + 8] + t * (table[k + 9] + t * (table[k + 10] + t * table[k + 11]))
+    d = table[k + 12] + t * (table[k + 13] + t * (table[k + 14] + t * table[k + 15]))
+    e = table[k + 1] + t * (2.0 * table[k + 2] + 3.0 * t * table[k + 3])
+    f = table[k + 5] + t * (2.0 * table[k + 6] + 3.0 * t * table[k + 7])
+    g = table[k + 9] + t * (2.0 * table[k + 10] + 3.0 * t * table[k + 11])
+    h = table[k + 13] + t * (2.0 * table[k + 14] + 3.0 * t * table[k + 15])
+    return a + s * (b + s * (c + s * d)), b + s * (2.0 * c + 3.0 * s * d), e + s * (f + s * (g + s * h))
+
+
+@inlined
+def rough_row(a):
+    """(row cell, coordinate in it) of the cut a; beyond the table the coordinate runs on."""
+    row = (math.log(a) - ROUGH_A0) * ROUGH_A_RATE
     i = min(max(int(row), 0), ROUGH_A_N - 2)
-    j = min(max(int(column), 0), ROUGH_U_N - 2)
-    s = min(max(row - i, 0.0), 1.0)
-    t = max(column - j, 0.0)
-    value, slope_row, slope_column = bicubic(table, i, j, s, t)
-    if row < 0.0 or t < 0.0 or row > ROUGH_A_N - 1:  # beyond the edge: straight on in log a
-        value += slope_row * (row - i - s)
-    j_value = math.exp(value)
-    return j_value, j_value * slope_row / (ROUGH_A_STEP * a), j_value * slope_column / ROUGH_U_STEP
+    return i, row - i
 
 
-@njit(cache=True)
+@inlined
+def rough_value(a, i, s, u, table):
+    """J(a, u) with (i, s) = rough_row(a); z^-2 (1 + 3 z^-2 + 15 z^-4 + 105 z^-6) far from the cut."""
+    if u >= ROUGH_U_TOP:
+        y = 1.0 / ((a + u) * (a + u))
+        return y * (1.0 + y * (3.0 + y * (15.0 + y * 105.0)))
+    if s < 0.0 or s > 1.0:
+        return rough_slopes(a, i, s, u, table)[0]
+    column = max((u - ROUGH_U0) * ROUGH_U_RATE, 0.0)
+    j = int(column)
+    return math.exp(cell_value(table, ROUGH_CELLS * i + 16 * j, s, column - j))
+
+
+@inlined
+def rough_slopes(a, i, s, u, table):
+    """(J, dJ/da, dJ/du)."""
+    if u >= ROUGH_U_TOP:
+        z = 1.0 / (a + u)
+        y = z * z
+        slope = -y * z * (2.0 + y * (12.0 + y * (90.0 + y * 840.0)))
+        return y * (1.0 + y * (3.0 + y * (15.0 + y * 105.0))), slope, slope
+    column = max((u - ROUGH_U0) * ROUGH_U_RATE, 0.0)
+    j = int(column)
+    inside = min(max(s, 0.0), 1.0)
+    log_j, by_row, by_column = cell_slopes(table, ROUGH_CELLS * i + 16 * j, inside, column - j)
+    j_value = math.exp(log_j + by_row * (s - inside))  # straight on in log a beyond the table
+    return j_value, j_value * by_row * ROUGH_A_RATE / a, j_value * by_column * ROUGH_U_RATE
+
+
+@inlined
 def relaxation(exponent, y, table):
     """(E, y dE/dy) for E = E_alpha(-y^alpha); power laws beyond the table's ends."""
     if y <= 0.0:
         return 1.0, 0.0
-    row = (exponent - RELAX_ALPHA0) / RELAX_ALPHA_STEP
+    row = (exponent - RELAX_ALPHA0) * RELAX_ALPHA_RATE
     i = min(max(int(row), 0), RELAX_ALPHA_N - 2)
-    column = (math.log(y) - RELAX_Y0) / RELAX_Y_STEP
     s = row - i
+    column = (math.log(y) - RELAX_Y0) * RELAX_Y_RATE
     if column < 0.0:
-        edge, _, _ = bicubic(table, i, 0, s, 0.0)
-        short = (1.0 - edge) * math.exp(exponent * column * RELAX_Y_STEP)
+        short = (1.0 - cell_value(table, RELAX_CELLS * i, s, 0.0)) * math.exp(
+            exponent * column * RELAX_Y_STEP
+        )
         return 1.0 - short, -exponent * short
     if column >= RELAX_Y_N - 1:
-        edge, _, _ = bicubic(table, i, RELAX_Y_N - 2, s, 1.0)
+        edge = cell_value(table, RELAX_CELLS * i + 16 * (RELAX_Y_N - 2), s, 1.0)
         tail = edge * math.exp(-exponent * (column - RELAX_Y_N + 1) * RELAX_Y_STEP)
         return tail, -exponent * tail
     j = int(column)
-    value, _, slope = bicubic(table, i, j, s, column - j)
-    return value, slope / RELAX_Y_STEP
+    value, _, slope = cell_slopes(table, RELAX_CELLS * i + 16 * j, s, column - j)
+    return value, slope * RELAX_Y_RATE

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-from numba import njit
-
+from eaclutch.physics.kernels.compiled import compiled
+from eaclutch.physics.kernels.drive import RELEASING, electroadhesion, fields_at
 from eaclutch.physics.kernels.film import equilibrium, net_force_slopes, next_step, rodas_step
-from eaclutch.physics.kernels.forces import RELEASING, contact, electroadhesion
+from eaclutch.physics.kernels.forces import contact
 from eaclutch.physics.kernels.ramp import train_stiffness
 from eaclutch.physics.kernels.slide import COUNT, MODE, X, advance, follow
 from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, TIMED_OUT
@@ -18,7 +17,7 @@ END = 0.11  # s after switch-off: the end of the window that says where the forc
 WINDOW = 0.01  # s; its start
 
 
-@njit(cache=True)
+@compiled
 def _frictions(p, lift, normal_base):
     """(static, kinetic) [N] at switch-off, kinetic without side friction and weakening."""
     static = (
@@ -28,17 +27,28 @@ def _frictions(p, lift, normal_base):
     return static, p.base_kinetic * normal_base + p.film_kinetic * lift
 
 
-@njit(cache=True)
-def _hermite(f, a, slope_a, b, slope_b, dt, scale, linear_a, linear_b):
-    """Cubic f(s) on [0, dt] = scale x Hermite(a, b) + the straight line linear_a .. linear_b."""
+@compiled
+def _quintic(f, ends, dt, scale, linear_a, linear_b):
+    """f(s) on [0, dt]: ``scale`` x the quintic with the values and slopes ``ends`` = (start, middle, end) of the
+    contact force, plus the straight line from linear_a to linear_b."""
+    a, slope_a, b, slope_b, c, slope_c = ends
+    p, q, r = slope_a * dt, slope_b * dt, slope_c * dt
+    # the ends' cubic, then s^2 (1 - s)^2 (bend + twist (s - 1/2)) for value and slope in the middle
+    cubic_2, cubic_3 = 3.0 * (c - a) - 2.0 * p - r, 2.0 * (a - c) + p + r
+    bend = 16.0 * (b - (0.5 * (a + c) + 0.125 * (p - r)))
+    twist = 16.0 * (q - (1.5 * (c - a) - 0.25 * (p + r)))
+    bend -= 0.5 * twist
+    i = 1.0 / dt
     f[0] = scale * a + linear_a
-    f[1] = scale * slope_a + (linear_b - linear_a) / dt
-    f[2] = scale * (3.0 * (b - a) / dt - 2.0 * slope_a - slope_b) / dt
-    f[3] = scale * (2.0 * (a - b) / dt + slope_a + slope_b) / (dt * dt)
+    f[1] = (scale * p + linear_b - linear_a) * i
+    f[2] = scale * (cubic_2 + bend) * i * i
+    f[3] = scale * (cubic_3 - 2.0 * bend + twist) * i * i * i
+    f[4] = scale * (bend - 2.0 * twist) * i * i * i * i
+    f[5] = scale * twist * i * i * i * i * i
 
 
-@njit(cache=True)
-def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, segments):
+@compiled
+def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, segments, work):
     """(status, segments used, time of rest, force at rest [N]) from the force ``switch_off`` [N] at t = 0.
 
     Times count from the drive's edge (without the drive delay). The film's motion does not depend on the tip's, so
@@ -46,9 +56,8 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
     """
     load = preload + p.film_weight
     stiffness = train_stiffness(p)
-    state = np.empty(4)
+    state, kinetic, static, spare = work[0], work[1], work[2], work[3]
     state[0], state[1], state[2], state[3] = STUCK, switch_off / stiffness, 0.0, 0.0
-    kinetic, static = np.empty(4), np.empty(4)
     lift_end, _ = contact(p, gap_before, tables)
     static_end, kinetic_end = _frictions(p, lift_end, p.substrate_weight + load)
     static_end = max(static_end, kinetic_end + p.side_friction)
@@ -70,7 +79,7 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
             dt = END - t
             new_h, new_lift, new_rate, new_inertia = h, lift, 0.0, 0.0
             lift_rate, inertia = 0.0, 0.0
-            new_v = 0.0
+            v, new_v = 0.0, 0.0
         else:
             dt = min(dt, END - t)
             if damped:
@@ -89,16 +98,20 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
             new_rate = slope * new_v
         base_a = p.substrate_weight + load + inertia - p.film_spring * (gap_before - h)
         base_b = p.substrate_weight + load + new_inertia - p.film_spring * (gap_before - new_h)
-        _hermite(kinetic, lift, lift_rate, new_lift, new_rate, dt, p.film_kinetic,
-                 p.base_kinetic * base_a, p.base_kinetic * base_b)  # fmt: skip
+        # the gap in the middle of the step by its cubic; the contact force there is far from one
+        mid_h = 0.5 * (h + new_h) + 0.125 * dt * (v - new_v)
+        mid_v = 1.5 * (new_h - h) / dt - 0.25 * (v + new_v)
+        mid, slope = contact(p, mid_h, tables)
+        ends = lift, lift_rate, mid, slope * mid_v, new_lift, new_rate
+        _quintic(kinetic, ends, dt, p.film_kinetic, p.base_kinetic * base_a, p.base_kinetic * base_b)
         factor = p.static_factor_release
-        _hermite(static, lift, lift_rate, new_lift, new_rate, dt, factor * p.film_static,
+        _quintic(static, ends, dt, factor * p.film_static,
                  factor * p.base_static * base_a + p.side_friction_static,
                  factor * p.base_static * base_b + p.side_friction_static)  # fmt: skip
         enough = (
-            advance(p, state, segments, t, dt, kinetic, static)
+            advance(p, state, segments, t, dt, kinetic, static, spare)
             if dynamic
-            else follow(p, state, segments, t, dt, kinetic, static)
+            else follow(p, state, segments, t, dt, kinetic, static, spare)
         )
         if not enough:
             return TIMED_OUT, int(state[COUNT]), t, stiffness * state[X]
@@ -111,7 +124,7 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
             break
         if not settled:
             if abs(lift - lift_end) < 1e-7 * lift_end:
-                force, _, _ = electroadhesion(p, h, t, RELEASING, tables)
+                force = electroadhesion(p, fields_at(p, t, RELEASING, tables), h, tables)
                 settled = force < 1e-8 * load
             dt = next_step(dt, ratio)
     n = int(state[COUNT])
@@ -122,7 +135,7 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
     return OK, n, t, stiffness * state[X]
 
 
-@njit(cache=True)
+@compiled
 def force_at(segments, n, t, start):
     """Reading [N] at t after switch-off; ``start`` before the first segment."""
     low, high = -1, n - 1
@@ -135,10 +148,10 @@ def force_at(segments, n, t, start):
     if low < 0:
         return start
     x, _ = oscillate(segments[low], min(t - segments[low, 0], segments[low, 1]))
-    return segments[low, 10] * x
+    return segments[low, 6] * x
 
 
-@njit(cache=True)
+@compiled
 def final_force(segments, n, rest_time, rest_force, start):
     """Mean reading [N] over 10 .. 110 ms after switch-off: the rest level, or the mean of what still moves."""
     if rest_time <= WINDOW:
@@ -157,12 +170,12 @@ def final_force(segments, n, rest_time, rest_force, start):
     return total / (END - WINDOW)
 
 
-@njit(cache=True)
+@compiled
 def crossing(segments, n, level):
     """Time [s] at which the reading first falls to ``level`` [N]; NaN if it does not."""
     for i in range(n):
         segment = segments[i]
-        stiffness = segment[10]
+        stiffness = segment[6]
         target = level / stiffness
         start, _ = oscillate(segment, 0.0)
         if start <= target:

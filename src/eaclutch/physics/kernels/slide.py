@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
+from eaclutch.physics.kernels.compiled import compiled
 from eaclutch.physics.kernels.ramp import train_stiffness
 from eaclutch.physics.kernels.statics import weakened
 from eaclutch.physics.kernels.tip import (
@@ -26,50 +25,45 @@ from eaclutch.physics.kernels.tip import (
 MODE, X, V, COUNT = 0, 1, 2, 3
 
 
-@njit(cache=True, inline="always")
-def cubic(f, s):
-    """Value of the cubic f0 + f1 s + f2 s^2 + f3 s^3."""
-    return f[0] + s * (f[1] + s * (f[2] + s * f[3]))
+@compiled
+def polynomial(f, s):
+    """Value of f0 + f1 s + .. + f5 s^5."""
+    return f[0] + s * (f[1] + s * (f[2] + s * (f[3] + s * (f[4] + s * f[5]))))
 
 
-@njit(cache=True)
-def _friction_segment(p, segment, t0, s, length, x, v, sign, kinetic, stiffness, mass, damping):
+@compiled
+def shift(f, s, out):
+    """``out``: the coefficients of f(s + .), by repeated synthetic division."""
+    for i in range(6):
+        out[i] = f[i]
+    for i in range(5):
+        for j in range(4, i - 1, -1):
+            out[j] += s * out[j + 1]
+
+
+@compiled
+def _friction_segment(p, segment, t0, s, length, x, v, sign, kinetic, stiffness, mass, damping, out):
     """Solve one sliding segment; velocity weakening by iterating the friction along the segment's own speed."""
     if p.weakening_depth == 0.0:
-        f0 = cubic(kinetic, s) + p.side_friction
-        f1 = kinetic[1] + s * (2.0 * kinetic[2] + 3.0 * s * kinetic[3])
-        f2 = kinetic[2] + 3.0 * s * kinetic[3]
-        set_segment(
-            segment,
-            t0,
-            length,
-            x,
-            v,
-            mass,
-            damping,
-            stiffness,
-            sign * f0,
-            sign * f1,
-            sign * f2,
-            sign * kinetic[3],
-        )
+        shift(kinetic, s, out)
+        out[0] += p.side_friction
+        set_segment(segment, t0, length, x, v, mass, damping, stiffness, out, sign)
         return
     v_middle, v_end = v, v
     half = 0.5 * length
+    out[3], out[4], out[5] = 0.0, 0.0, 0.0
     for _ in range(4):
-        a = cubic(kinetic, s) * weakened(p, v)
-        b = cubic(kinetic, s + half) * weakened(p, v_middle)
-        c = cubic(kinetic, s + length) * weakened(p, v_end)
-        slope, bend = (4.0 * b - 3.0 * a - c) / length, 2.0 * (a - 2.0 * b + c) / (length * length)
-        a += p.side_friction
-        set_segment(
-            segment, t0, length, x, v, mass, damping, stiffness, sign * a, sign * slope, sign * bend, 0.0
-        )
+        a = polynomial(kinetic, s) * weakened(p, v)
+        b = polynomial(kinetic, s + half) * weakened(p, v_middle)
+        c = polynomial(kinetic, s + length) * weakened(p, v_end)
+        out[0] = a + p.side_friction
+        out[1], out[2] = (4.0 * b - 3.0 * a - c) / length, 2.0 * (a - 2.0 * b + c) / (length * length)
+        set_segment(segment, t0, length, x, v, mass, damping, stiffness, out, sign)
         _, v_middle = oscillate(segment, half)
         _, v_end = oscillate(segment, length)
 
 
-@njit(cache=True, inline="always")
+@compiled
 def _segment_length(p, omega, v, mass, kinetic):
     length = STEP_PHASE / omega
     if p.weakening_depth != 0.0:
@@ -79,9 +73,9 @@ def _segment_length(p, omega, v, mass, kinetic):
     return length
 
 
-@njit(cache=True)
-def advance(p, state, segments, t0, span, kinetic, static):
-    """Move the tip over [t0, t0 + span]; ``kinetic``, ``static``: cubics of the friction (kinetic without side
+@compiled
+def advance(p, state, segments, t0, span, kinetic, static, spare):
+    """Move the tip over [t0, t0 + span]; ``kinetic``, ``static``: polynomials of the friction (kinetic without side
     friction and weakening). Returns False when the segments are used up."""
     pushing = train_stiffness(p)
     heavy = p.mass + p.added_mass
@@ -97,13 +91,15 @@ def advance(p, state, segments, t0, span, kinetic, static):
         stiffness, mass = (p.stiffness, p.mass) if free else (pushing, heavy)
         damping = p.load_cell_damping if free else p.load_cell_damping + p.side_damping
         omega = math.sqrt(stiffness / mass)
-        length = min(_segment_length(p, omega, v, mass, cubic(kinetic, s)), span - s)
+        length = min(_segment_length(p, omega, v, mass, polynomial(kinetic, s)), span - s)
         segment = segments[n]
         if free:
-            set_segment(segment, t0 + s, length, x, v, mass, damping, stiffness, 0.0, 0.0, 0.0, 0.0)
+            set_segment(segment, t0 + s, length, x, v, mass, damping, stiffness, kinetic, 0.0)
         else:
             sign = 1.0 if mode == BACK else -1.0
-            _friction_segment(p, segment, t0 + s, s, length, x, v, sign, kinetic, stiffness, mass, damping)
+            _friction_segment(
+                p, segment, t0 + s, s, length, x, v, sign, kinetic, stiffness, mass, damping, spare
+            )
         s += _move(p, state, segment, length, s, pushing, kinetic, static)
         state[COUNT] += 1
         if span - s < 1e-15:
@@ -111,18 +107,18 @@ def advance(p, state, segments, t0, span, kinetic, static):
     return True
 
 
-@njit(cache=True)
+@compiled
 def _release_from_stick(state, force, s, span, kinetic, static, side_friction):
     """The time at which static friction falls to the force, or the end of the step; sets the mode."""
-    if max(cubic(static, s), cubic(kinetic, s) + side_friction) < force:
+    if max(polynomial(static, s), polynomial(kinetic, s) + side_friction) < force:
         state[MODE], state[V] = BACK, 0.0
         return s
-    if max(cubic(static, span), cubic(kinetic, span) + side_friction) >= force:
+    if max(polynomial(static, span), polynomial(kinetic, span) + side_friction) >= force:
         return span
     low, high = s, span
     for _ in range(60):
         middle = 0.5 * (low + high)
-        if max(cubic(static, middle), cubic(kinetic, middle) + side_friction) < force:
+        if max(polynomial(static, middle), polynomial(kinetic, middle) + side_friction) < force:
             high = middle
         else:
             low = middle
@@ -132,7 +128,7 @@ def _release_from_stick(state, force, s, span, kinetic, static, side_friction):
     return high
 
 
-@njit(cache=True)
+@compiled
 def _move(p, state, segment, length, s, pushing, kinetic, static):
     """Go to the segment's end or its first event; returns the time gone and sets mode, x, v."""
     mode = int(state[MODE])
@@ -158,15 +154,15 @@ def _move(p, state, segment, length, s, pushing, kinetic, static):
         length = root_of_v(segment, -1.0, 0.0, length)
         x, _ = oscillate(segment, length)
         x, v = max(x, 0.0), 0.0
-        holds = max(cubic(static, s + length), cubic(kinetic, s + length) + p.side_friction)
+        holds = max(polynomial(static, s + length), polynomial(kinetic, s + length) + p.side_friction)
         state[MODE] = STUCK if pushing * x <= holds else BACK
     segment[1] = length
     state[X], state[V] = x, v
     return length
 
 
-@njit(cache=True)
-def follow(p, state, segments, t0, span, kinetic, static):
+@compiled
+def follow(p, state, segments, t0, span, kinetic, static, spare):
     """Without load-cell dynamics: the reading falls with the kinetic friction once the static one lets go."""
     stiffness = train_stiffness(p)
     n = int(state[COUNT])
@@ -180,13 +176,12 @@ def follow(p, state, segments, t0, span, kinetic, static):
         state[MODE] = FOLLOW
     if span - s > 0.0:
         segment = segments[n]
-        f0 = cubic(kinetic, s) + p.side_friction
-        f1 = kinetic[1] + s * (2.0 * kinetic[2] + 3.0 * s * kinetic[3])
-        f2, f3 = kinetic[2] + 3.0 * s * kinetic[3], kinetic[3]
-        segment[0], segment[1], segment[10] = t0 + s, span - s, stiffness
+        segment[0], segment[1], segment[6] = t0 + s, span - s, stiffness
         segment[2], segment[3], segment[4], segment[5] = 0.0, 0.0, 0.0, 0.0
-        segment[6], segment[7] = f0 / stiffness, f1 / stiffness
-        segment[8], segment[9] = f2 / stiffness, f3 / stiffness
+        shift(kinetic, s, spare)
+        spare[0] += p.side_friction
+        for i in range(6):
+            segment[7 + i] = spare[i] / stiffness
         state[X], _ = oscillate(segment, span - s)
         state[COUNT] += 1
     return True

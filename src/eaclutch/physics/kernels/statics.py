@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
-
-from eaclutch.physics.kernels.forces import adhesion, contact, driven_force
+from eaclutch.physics.kernels.compiled import compiled
+from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_slopes
 from eaclutch.physics.kernels.lookup import log_contact
 
 OK, PULL_IN, NEVER_SLIPS, TIMED_OUT = 0, 1, 2, 3
@@ -18,7 +17,7 @@ LEAST_LOAD = (
 )
 
 
-@njit(cache=True, inline="always")
+@compiled
 def weakened(p, speed):
     """Kinetic friction's factor at a sliding speed [m/s]."""
     if p.weakening_depth == 0.0:
@@ -26,7 +25,7 @@ def weakened(p, speed):
     return 1.0 - p.weakening_depth * (1.0 - math.exp(-abs(speed) / p.weakening_speed))
 
 
-@njit(cache=True)
+@compiled
 def gap_at_load(p, load, tables):
     """Gap at which the contact alone carries ``load`` [N]: Newton on log F_k, which is concave in h."""
     target = math.log(load / p.contact_scale)
@@ -44,7 +43,7 @@ def gap_at_load(p, load, tables):
     return x * p.sigma
 
 
-@njit(cache=True)
+@compiled
 def rest_before(p, tables):
     """(preload [N], gap before [m]): the preload at which the kinetic friction at stage speed equals the measured
     friction before the voltage: mu_b (m_s g + L) + mu_d (L + F_adh) + side friction, L = preload + film weight."""
@@ -69,7 +68,7 @@ def rest_before(p, tables):
     return total - p.film_weight, gap
 
 
-@njit(cache=True)
+@compiled
 def net_log(p, h, load, gap_before, force, force_h, tables):
     """(log of what lifts over what presses, its slope in h); positive where the film is pushed up."""
     up, up_h = contact(p, h, tables)
@@ -80,7 +79,7 @@ def net_log(p, h, load, gap_before, force, force_h, tables):
     return math.log(up / down), up_h / up - down_h / down
 
 
-@njit(cache=True)
+@compiled
 def driven_gap(p, preload, gap_before, tables):
     """(status, gap [m]) with the voltage on: the first equilibrium below the gap without voltage.
 
@@ -89,10 +88,11 @@ def driven_gap(p, preload, gap_before, tables):
     """
     load = preload + p.film_weight
     floor = CLOSED * p.sigma
+    field = driven_field(p)
     h = gap_before
     high, low = gap_before, floor
     for _ in range(80):
-        force, force_h = driven_force(p, h, tables)
+        force, force_h, _, _ = field_slopes(p, field, h, tables)
         value, slope = net_log(p, h, load, gap_before, force, force_h, tables)
         if value > 0.0:
             low = h
@@ -116,7 +116,7 @@ def driven_gap(p, preload, gap_before, tables):
     return PULL_IN, floor
 
 
-@njit(cache=True)
+@compiled
 def frictions(p, normal_base, contact_force, static_factor, speed):
     """(static, kinetic) friction [N] of the strip between base and film; kinetic at ``speed``."""
     factor = weakened(p, speed)

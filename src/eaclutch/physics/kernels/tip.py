@@ -1,7 +1,7 @@
 """The load cell's tip between film steps: a damped oscillator with friction, solved exactly.
 
 Modes: stuck, sliding back (friction pushes forward), sliding forward, free (x <= 0: the tip cannot pull). Within a
-film step the friction is a cubic in time, so x is a damped sinusoid plus a cubic; velocity zeros and the
+film step the friction is a quintic in time, so x is a damped sinusoid plus a quintic; velocity zeros and the
 contact's loss and return are located as roots of that expression. Segments are kept so that crossings of any
 force level can be found afterwards.
 """
@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import math
 
-from numba import njit
+from eaclutch.physics.kernels.compiled import compiled
 
 STUCK, BACK, FORWARD, FREE, FOLLOW = 0, 1, 2, 3, 4
-SEGMENTS, COLUMNS = 2048, 11  # t0, length, A, B, beta, omega^2, q0..q3, stiffness
+SEGMENTS, COLUMNS = 2048, 13  # t0, length, A, B, beta, omega^2, stiffness, q0..q5
 STEP_PHASE = 0.7  # rad of the oscillator a segment may last, so that no event is jumped over
 
 
-@njit(cache=True)
+@compiled
 def oscillate(segment, s):
     """(x, v) at s after the segment's start."""
     a, b, beta, omega2 = segment[2], segment[3], segment[4], segment[5]
@@ -32,26 +32,32 @@ def oscillate(segment, s):
     decay = math.exp(-beta * s)
     x = decay * (a * c + b * d)
     v = decay * (b * c - omega2 * a * d) - beta * x
-    q0, q1, q2, q3 = segment[6], segment[7], segment[8], segment[9]
-    return x + q0 + s * (q1 + s * (q2 + s * q3)), v + q1 + s * (2.0 * q2 + 3.0 * s * q3)
+    q1, q2, q3, q4, q5 = segment[8], segment[9], segment[10], segment[11], segment[12]
+    x += segment[7] + s * (q1 + s * (q2 + s * (q3 + s * (q4 + s * q5))))
+    v += q1 + s * (2.0 * q2 + s * (3.0 * q3 + s * (4.0 * q4 + 5.0 * s * q5)))
+    return x, v
 
 
-@njit(cache=True)
-def set_segment(segment, t0, length, x, v, mass, damping, stiffness, f0, f1, f2, f3):
-    """Fill ``segment`` with the solution of m x'' + b x' + k x = f0 + f1 s + f2 s^2 + f3 s^3 from (x, v)."""
+@compiled
+def set_segment(segment, t0, length, x, v, mass, damping, stiffness, f, sign):
+    """Fill ``segment`` with the solution of m x'' + b x' + k x = sign (f0 + f1 s + .. + f5 s^5) from (x, v)."""
     beta = 0.5 * damping / mass
     w = stiffness / mass
-    q3 = f3 / stiffness
-    q2 = (f2 / mass - 6.0 * beta * q3) / w
-    q1 = (f1 / mass - 4.0 * beta * q2 - 6.0 * q3) / w
-    q0 = (f0 / mass - 2.0 * beta * q1 - 2.0 * q2) / w
-    segment[0], segment[1], segment[4], segment[5], segment[10] = t0, length, beta, w - beta * beta, stiffness
-    segment[6], segment[7], segment[8], segment[9] = q0, q1, q2, q3
+    scale = sign / stiffness
+    lag, lead = 2.0 * beta / w, 1.0 / w
+    q5 = scale * f[5]
+    q4 = scale * f[4] - 5.0 * lag * q5
+    q3 = scale * f[3] - 4.0 * lag * q4 - 20.0 * lead * q5
+    q2 = scale * f[2] - 3.0 * lag * q3 - 12.0 * lead * q4
+    q1 = scale * f[1] - 2.0 * lag * q2 - 6.0 * lead * q3
+    q0 = scale * f[0] - lag * q1 - 2.0 * lead * q2
+    segment[0], segment[1], segment[4], segment[5], segment[6] = t0, length, beta, w - beta * beta, stiffness
+    segment[7], segment[8], segment[9], segment[10], segment[11], segment[12] = q0, q1, q2, q3, q4, q5
     segment[2] = x - q0
     segment[3] = v - q1 + beta * (x - q0)
 
 
-@njit(cache=True)
+@compiled
 def root_of_x(segment, target, low, high):
     """s in [low, high] with x(s) = target; x - target changes sign over it (Newton kept in a bracket)."""
     x_low, _ = oscillate(segment, low)
@@ -73,7 +79,7 @@ def root_of_x(segment, target, low, high):
     return s
 
 
-@njit(cache=True)
+@compiled
 def root_of_v(segment, sign, low, high):
     """s in (low, high] at which sign v turns from negative to positive (Illinois)."""
     _, v_high = oscillate(segment, high)
