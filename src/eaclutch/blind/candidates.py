@@ -18,14 +18,14 @@ Law = Callable[[Runs, Constants, float, np.random.Generator], tuple[Runs, Consta
 
 def trapped_charge(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """Homocharge that a slow drive injects and that drains by a power of time (Curie-von Schweidler)."""
-    share = 0.22 * size * (1 + runs.frequency / 4.0) ** -0.7 * (runs.voltage / 300)
-    return runs.turn(residual=np.minimum(share, 0.9), residual_time=1.5e-3, residual_power=0.8), c
+    share = -0.95 * np.expm1(-1.1 * size * (1 + runs.frequency / 4.0) ** -0.7 * (runs.voltage / 300))
+    return runs.turn(residual=share, residual_time=1.5e-3, residual_power=0.8), c
 
 
 def edge_wrap(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """Film bent round both edges: a side wall that grows like a Hertzian foot, pulled on by the voltage."""
     foot = size * (runs.preload / 0.5) ** (2 / 3) * (runs.thickness / 2e-3) ** 0.5
-    return runs.turn(side_force=0.05 * foot, side_voltage_gain=3.0 / 300**2, side_damping=0.25 * foot), c
+    return runs.turn(side_force=0.025 * foot, side_voltage_gain=3.0 / 300**2, side_damping=0.12 * foot), c
 
 
 def permittivity_saturation(
@@ -41,7 +41,7 @@ def electrostriction(
     runs: Runs, c: Constants, size: float, rng: np.random.Generator
 ) -> tuple[Runs, Constants]:
     """Maxwell and electrostrictive squeeze of an incompressible film: finite strain, ln T falls as E^2."""
-    strain = 0.12 * size * (runs.voltage / 300) ** 2
+    strain = 0.08 * size * (runs.voltage / 300) ** 2
     return replace(runs, film_thickness=runs.film_thickness * np.exp(-strain)), c
 
 
@@ -49,40 +49,40 @@ def series_compliance(
     runs: Runs, c: Constants, size: float, rng: np.random.Generator
 ) -> tuple[Runs, Constants]:
     """The film in shear (softer the narrower the strip) and the mount, behind the load cell."""
-    shear = 0.6 * (2e-3 / runs.width) * (c.overlap_length / 55.5e-3)
-    return runs.turn(compliance=size * (shear + 0.15) / c.stiffness), c
+    shear = 0.3 * (2e-3 / runs.width) * (c.overlap_length / 55.5e-3)
+    return runs.turn(compliance=size * (shear + 0.08) / c.stiffness), c
 
 
 def substrate_inertia(
     runs: Runs, c: Constants, size: float, rng: np.random.Generator
 ) -> tuple[Runs, Constants]:
-    """A share of the substrate (and of its clamp) rides with the tip; size 1: a fifth of its mass."""
-    return runs.turn(moving_mass=0.2 * size * runs.substrate_weight(c) / 9.81), c
+    """A share of the substrate (and of its clamp) rides with the tip; size 1: a quarter of its mass."""
+    return runs.turn(moving_mass=0.25 * size * runs.substrate_weight(c) / 9.81), c
 
 
 def stray_capacitance(
     runs: Runs, c: Constants, size: float, rng: np.random.Generator
 ) -> tuple[Runs, Constants]:
     """Leads and fringe in parallel with the pad on the capacitance bench."""
-    return runs, replace(c, stray_capacitance=c.stray_capacitance + 12e-12 * size)
+    return runs, replace(c, stray_capacitance=c.stray_capacitance + 3e-12 * size)
 
 
 def trigger_latency(
     runs: Runs, c: Constants, size: float, rng: np.random.Generator
 ) -> tuple[Runs, Constants]:
     """The film's edge comes after the logged one; each run jitters by a tenth."""
-    delay = 120e-6 * size * (1 + 0.1 * rng.standard_normal(len(runs)))
+    delay = 100e-6 * size * (1 + 0.1 * rng.standard_normal(len(runs)))
     return runs.turn(delay_on=np.abs(delay), delay_off=np.abs(delay)), c
 
 
 def slow_drive(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """The discharge is limited in current, so that wide pads at high voltage take longest."""
-    return runs.turn(slew_current=np.full(len(runs), 6e-4 / max(size, 1e-6))), c
+    return runs.turn(slew_current=np.full(len(runs), 5e-5 / max(size, 1e-6))), c
 
 
 def gap_tilt(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """A wedge across the width: each of four strips stands at its own height."""
-    return runs.turn(wedge_half_height=2.2e-6 * size * (runs.width / 2e-3) ** 0.5), c
+    return runs.turn(wedge_half_height=1.5e-6 * size * (runs.width / 2e-3) ** 0.5), c
 
 
 def surface_adhesion(
@@ -95,25 +95,25 @@ def surface_adhesion(
 
 def contact_aging(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """Static friction grows as a power of the time at rest."""
-    return runs.turn(aging_depth=0.22 * size), c
+    return runs.turn(aging_depth=0.3 * size), c
 
 
 def velocity_weakening(
     runs: Runs, c: Constants, size: float, rng: np.random.Generator
 ) -> tuple[Runs, Constants]:
     """Kinetic friction falls hyperbolically with speed."""
-    return runs.turn(weakening_depth=min(0.3 * size, 0.95), weakening_speed=6e-3), c
+    return runs.turn(weakening_depth=min(0.12 * size, 0.95), weakening_speed=6e-3), c
 
 
 def gas_slip(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
-    """Veijola's effective viscosity; size 1: a mean free path of 0.4 um (air leaking through the roughness)."""
-    return runs.turn(mean_free_path=0.4e-6 * size), c
+    """Veijola's effective viscosity; size 1: a mean free path of 2 um (air leaking through the roughness)."""
+    return runs.turn(mean_free_path=2e-6 * size), c
 
 
 def film_tension(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """A clamped film that stiffens as it is drawn down, and holds a part of the preload off."""
     rest, _ = rest_gap(runs, c, np.zeros(len(runs)), runs.kappa)
-    stiff = 1.0e5 * size * (runs.width / 2e-3) ** 0.5
+    stiff = 0.4e5 * size * (runs.width / 2e-3) ** 0.5
     return runs.turn(film_spring=stiff, film_hardening=stiff / (3e-6) ** 2, film_rest_gap=rest), c
 
 
@@ -121,8 +121,8 @@ def session_drift(runs: Runs, c: Constants, size: float, rng: np.random.Generato
     """Mounting and humidity: each session scales the pull and the film's friction in its own way."""
     sessions = runs.session.astype(int)
     pattern = rng.permutation([-1.0, 0.1, 0.9])
-    pull = np.exp(0.25 * size * pattern)[sessions]
-    rub = np.exp(0.06 * size * rng.permutation([-1.0, 0.1, 0.9]))[sessions]
+    pull = np.exp(0.15 * size * pattern)[sessions]
+    rub = np.exp(0.04 * size * rng.permutation([-1.0, 0.1, 0.9]))[sessions]
     runs = replace(runs, film_static=runs.film_static * rub, film_kinetic=runs.film_kinetic * rub)
     return runs.turn(force_factor=runs.knob("force_factor", 1.0) * pull), c
 

@@ -50,22 +50,27 @@ def pad_capacitance(gap: FloatArray, runs: Runs, c: Constants) -> FloatArray:
     )
 
 
-def falling_voltage(time: float, gap_on: FloatArray, runs: Runs, c: Constants) -> FloatArray:
-    """Drive voltage [V] (runs,) ``time`` seconds after the logged fall: delay, edge, what stays behind.
+def falling_edge(time: float, gap_on: FloatArray, runs: Runs, c: Constants) -> tuple[FloatArray, FloatArray]:
+    """Drive voltage over its amplitude (runs,) ``time`` seconds after the logged fall, and where it is fed.
 
-    A weak supply (knob ``slew_current``, A) empties the pad at constant current. Charge left in the film
-    (``residual``) fades as (1 + t / residual_time)^-residual_power.
+    A weak supply (knob ``slew_current``, A) empties the pad at constant current: slow against the dipoles,
+    which follow the field there (second array true) instead of relaxing since the edge.
     """
     late = time - runs.knob("delay_off")
     edge = np.exp(-np.maximum(late, 0) / (c.fall_90_10 / np.log(9)))
     current = runs.knob("slew_current")
+    ramp = np.zeros_like(edge)
     if np.any(current > 0):
         slew = np.where(current > 0, pad_capacitance(gap_on, runs, c) / np.maximum(current, 1e-12), 0)
-        edge = np.maximum(edge, 1 - np.maximum(late, 0) / np.maximum(slew * runs.voltage, 1e-12))
-    edge = np.where(late < 0, 1.0, edge)
-    kept = runs.knob("residual")
-    fade = (1 + np.maximum(late, 0) / runs.knob("residual_time", 1e-3)) ** -runs.knob("residual_power", 1.0)
-    return runs.voltage * ((1 - kept) * edge + kept * fade)
+        ramp = np.maximum(1 - np.maximum(late, 0) / np.maximum(slew * runs.voltage, 1e-12), 0)
+    return np.where(late < 0, 1.0, np.maximum(edge, ramp)), ramp > edge
+
+
+def charge_left(time: float, runs: Runs) -> FloatArray:
+    """Field of the charge left in the film over the driven one (runs,): a power of time."""
+    late = np.maximum(time - runs.knob("delay_off"), 0)
+    fade = (1 + late / runs.knob("residual_time", 1e-3)) ** -runs.knob("residual_power", 1.0)
+    return runs.knob("residual") * fade
 
 
 def _march(
@@ -92,19 +97,25 @@ def _march(
 
 
 def release_motion(gap_on: FloatArray, runs: Runs, c: Constants) -> FloatArray:
-    """Gap [m] (times, runs) at RELEASE_TIMES after the fall; kappa relaxes from its driven value."""
+    """Gap [m] (times, runs) at RELEASE_TIMES after the fall; kappa relaxes from its driven value.
+
+    Charge left in the film is a steady field, so its dipoles stay: its pull has the driven permittivity.
+    """
     ratio = relaxation(RELEASE_TIMES / c.relaxation_time, c.cole_cole_exponent)
-    held = bool(np.any(runs.knob("residual") > 0))
+    kept = runs.knob("residual")
+    held = bool(np.any(kept > 0))
 
     def force(gap: FloatArray, time: float) -> FloatArray:
         net = held_apart(gap, runs, c)
-        voltage = falling_voltage(time, gap_on, runs, c)
-        if not held and np.all(voltage < 1e-3 * runs.voltage):
-            return net
-        late = np.maximum(time - runs.knob("delay_off"), 0)
-        left = np.interp(late, RELEASE_TIMES, ratio)
-        kappa = c.kappa_infinity + (runs.kappa - c.kappa_infinity) * left
-        return net - electric_force(gap, voltage, kappa, runs, c)
+        edge, fed = falling_edge(time, gap_on, runs, c)
+        if np.any(edge > 1e-3):
+            late = np.maximum(time - runs.knob("delay_off"), 0)
+            left = np.where(fed, 1.0, np.interp(late, RELEASE_TIMES, ratio))
+            kappa = c.kappa_infinity + (runs.kappa - c.kappa_infinity) * left
+            net = net - electric_force(gap, runs.voltage * edge * np.sqrt(1 - kept**2), kappa, runs, c)
+        if held:
+            net = net - electric_force(gap, runs.voltage * charge_left(time, runs), runs.kappa, runs, c)
+        return net
 
     return _march(gap_on, RELEASE_TIMES, force, runs, c)
 

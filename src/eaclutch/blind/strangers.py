@@ -19,7 +19,7 @@ def leakage_attraction(
 ) -> tuple[Runs, Constants]:
     """Johnsen-Rahbek: charge creeps to the summits while the polarity holds (DOI 10.1002/adma.202101849)."""
     half_period = np.where(runs.frequency > 0.5, 0.5 / runs.frequency, runs.drive_time)
-    gain = 0.5 * size * -np.expm1(-half_period / 0.08)
+    gain = 0.25 * size * -np.expm1(-half_period / 0.08)
     return runs.turn(force_factor=runs.knob("force_factor", 1.0) * (1 + gain)), c
 
 
@@ -27,7 +27,7 @@ def broken_electrodes(
     runs: Runs, c: Constants, size: float, rng: np.random.Generator
 ) -> tuple[Runs, Constants]:
     """Fingers burnt off at the rim: wide strips lose more of their area."""
-    lost = 0.35 * size * np.clip((runs.width - 2e-3) / 4e-3, 0, 1) ** 0.8
+    lost = 0.32 * size * np.clip((runs.width - 2e-3) / 4e-3, 0, 1) ** 0.8
     return runs.turn(area_factor=np.maximum(1 - lost, 0.1)), c
 
 
@@ -45,7 +45,9 @@ def slow_stage(runs: Runs, c: Constants, size: float, rng: np.random.Generator) 
 def film_creep(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """The film thins for good under repeated load, from run to run over the whole campaign."""
     age = np.arange(len(runs)) / len(runs)
-    return replace(runs, film_thickness=runs.film_thickness * (1 - 0.2 * size * np.sqrt(age))), c
+    return replace(
+        runs, film_thickness=runs.film_thickness * np.maximum(1 - 0.07 * size * np.sqrt(age), 0.3)
+    ), c
 
 
 def zero_wander(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
@@ -75,24 +77,26 @@ def bent_substrate(runs: Runs, c: Constants, size: float, rng: np.random.Generat
 
 def polishing(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """Sliding polishes the film: its friction falls within a session and recovers until the next."""
-    worn = 1 - 0.3 * size * -np.expm1(-runs.order / 8)
+    worn = 1 - np.minimum(0.3 * size, 0.9) * -np.expm1(-runs.order / 8)
     return replace(runs, film_static=runs.film_static * worn, film_kinetic=runs.film_kinetic * worn), c
 
 
 def dust(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """Grains under the film in the later runs of each session hold it up."""
     dirty = runs.order > np.median(runs.order)
-    return runs.turn(dust_stiffness=3.0e8 * size * dirty * runs.width / 2e-3, dust_height=8e-6), c
+    return runs.turn(dust_stiffness=1.5e8 * size * dirty * runs.width / 2e-3, dust_height=8e-6), c
 
 
 def backlash(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """Play in the drive train: the ramp starts late, by a distance that differs from run to run."""
-    return runs.turn(backlash=3.0e-6 * size * rng.uniform(0.7, 1.3, len(runs))), c
+    return runs.turn(backlash=1.2e-6 * size * rng.uniform(0.7, 1.3, len(runs))), c
 
 
 def swollen_film(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
     """Humidity softens the release only: viscous suction grows with preload, friction stays."""
-    return runs.turn(squeeze_factor=1 + 4.0 * size * (runs.preload / 0.5) ** 0.5), c
+    return runs.turn(
+        squeeze_factor=runs.knob("squeeze_factor", 1.0) * (1 + 4.0 * size * (runs.preload / 0.5) ** 0.5)
+    ), c
 
 
 UNNAMED: dict[str, Law] = {
