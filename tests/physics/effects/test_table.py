@@ -1,0 +1,33 @@
+"""The page and the listing say what the library is."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+from click.testing import CliRunner
+
+from eaclutch.cli.physics import effects
+from eaclutch.physics import effect_table
+from eaclutch.physics.effects import EFFECTS
+
+PAGE = Path(__file__).resolve().parents[3] / "docs" / "effects.md"
+
+
+def test_the_page_has_not_drifted():
+    """Mend by: eaclutch effects --format markdown > docs/effects.md"""
+    assert PAGE.read_text(encoding="utf-8") == effect_table.as_markdown().rstrip("\n") + "\n"
+
+
+def test_listing_names_every_effect_once():
+    result = CliRunner().invoke(effects, [])
+    assert result.exit_code == 0
+    assert [line.split()[1] for line in result.output.splitlines()] == list(EFFECTS)
+
+
+def test_json_says_bounds_and_neutral():
+    listed = json.loads(CliRunner().invoke(effects, ["--format", "json"]).output)
+    found = {e["name"]: {p["name"]: p for p in e["parameters"]} for e in listed}
+    assert found["trapped_charge"]["residual_fraction"]["neutral"] == 0.0
+    assert found["trapped_charge"]["residual_fraction"]["bounds"] == [0.0, 0.98]
+    assert found["trapped_charge"]["decay_time"]["neutral"] is None
