@@ -85,8 +85,9 @@ def native_variances(table: pd.DataFrame, data: DataVector) -> tuple[dict[str, f
     groups = np.unique(keys, return_inverse=True)[1]
     bins = np.digitize(estimated_preload(table, conditions), PRELOAD_EDGES)
     variances, dofs = {}, {}
-    for channel in data.channels:
+    for channel, scaled in zip(data.channels, data.run_values, strict=True):
         values = pd.to_numeric(table[channel.name], errors="coerce").to_numpy(dtype=float)
+        values = np.where(np.isfinite(scaled), values, np.nan)
         repeat = pooled_variance(values, conditions.friction_before, groups, bins)
         own = np.full(len(values), np.nan)
         if f"{channel.name}_sd" in table:

@@ -20,6 +20,9 @@ from eaclutch.diagnosis.repeatability import PRELOAD_EDGES, RepeatVariance, pool
 from eaclutch.records import FloatArray, RunConditions
 
 IntArray = np.ndarray
+SWING_BLOCKS = ("release", "ringdown", "ringdown_damping", "after")  # what a run shows after switch-off
+SLIPPING_SHARE = 0.4  # of the load cell's quarter period
+STRAY_SDS = 6.0
 
 
 @dataclass(frozen=True)
@@ -68,21 +71,28 @@ def build(
     channels: Sequence[Channel],
     thresholds: Mapping[str, Any],
     ramp_rate: float,
+    quarter_swing: float,
     explained: FloatArray | None = None,
 ) -> DataVector:
     """Collect the entries.
 
     table: runs.csv's rows for exactly ``conditions`` (same order). channels: what to compare; those without a
-    usable run are left out. ramp_rate [N/s]: the load train's nominal one, which says how far a ramp gets.
+    usable run are left out. ramp_rate [N/s], quarter_swing [s]: the load train's nominal ones, which say how far
+    a ramp gets and how fast a release from rest can be.
     explained (channels, runs): predictions whose variation between repeats (the force at switch-off differs
     from run to run) is taken off before the scatter is measured, where that makes it smaller.
     """
     groups = _labels([f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)])
     bins = np.digitize(estimated_preload(table, conditions), PRELOAD_EDGES)
+    slipping = slips_at_switch_off(table, quarter_swing)
     entries, kept, values, repeats = [], [], [], {}
     for i, channel in enumerate(channels):
         scaled, sd = scaled_column(table, channel)
         scaled = np.where(_reaches(table, channel, ramp_rate), scaled, np.nan)
+        if channel.block in SWING_BLOCKS:
+            scaled = np.where(slipping, np.nan, scaled)
+        if explained is not None:
+            scaled = np.where(_stray(scaled - explained[i], sd, groups), np.nan, scaled)
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
         repeat = pooled_variance(scaled, conditions.friction_before, groups, bins)
@@ -96,6 +106,31 @@ def build(
         values.append(scaled)
     run_values = np.array(values).reshape(len(kept), len(conditions))
     return _assemble(conditions, tuple(kept), entries, bench, repeats, groups, run_values, thresholds, table)
+
+
+def slips_at_switch_off(table: pd.DataFrame, quarter_swing: float) -> np.ndarray:
+    """Runs (runs,) that were already slipping when the voltage fell: half of the force gone in a small part of
+    the time that the load cell needs from rest. The model starts from rest, so their release does not count."""
+    if "release_time_50_s" not in table:
+        return np.zeros(len(table), dtype=bool)
+    half = pd.to_numeric(table["release_time_50_s"], errors="coerce").to_numpy(dtype=float)
+    return half < SLIPPING_SHARE * quarter_swing
+
+
+def _stray(residual: FloatArray, sd: FloatArray, groups: IntArray) -> np.ndarray:
+    """Runs that stand far from their own repeats (three or more, so that the odd one out can be told)."""
+    apart = np.full(len(residual), np.nan)
+    for label in np.unique(groups):
+        rows = np.flatnonzero((groups == label) & np.isfinite(residual))
+        if len(rows) >= 3:
+            apart[rows] = residual[rows] - np.median(residual[rows])
+    known = np.isfinite(apart)
+    if np.count_nonzero(known) < 10:
+        return np.zeros(len(residual), dtype=bool)
+    spread = (
+        1.4826 * float(np.median(np.abs(apart[known & (apart != 0)]))) if np.any(apart[known] != 0) else 0.0
+    )
+    return known & (np.abs(apart) > STRAY_SDS * np.hypot(spread, sd))
 
 
 def _reaches(table: pd.DataFrame, channel: Channel, ramp_rate: float) -> np.ndarray:

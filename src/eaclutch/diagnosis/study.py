@@ -71,11 +71,13 @@ class Study:
             )
         self.table = inputs.table[inputs.table["run"].isin(self.conditions.run)].reset_index(drop=True)
         entries = bench_channels.summarise(inputs.readings, inputs.spectra, inputs.bursts, thresholds)
-        rate = inputs.bench.load_cell.stiffness.mean * inputs.bench.stage_speed
+        cell = inputs.bench.load_cell
+        rate = cell.stiffness.mean * inputs.bench.stage_speed
+        quarter = 0.5 * np.pi * np.sqrt(cell.mass.mean / cell.stiffness.mean)
         channels = [c for c in CHANNELS if c.resolvable and c.name in self.table and c.name in OBSERVABLES]
 
         def data(explained: FloatArray | None = None) -> DataVector:
-            return build(self.table, self.conditions, entries, channels, thresholds, rate, explained)
+            return build(self.table, self.conditions, entries, channels, thresholds, rate, quarter, explained)
 
         first = data()
         if first.run_entries:
