@@ -1,23 +1,29 @@
 # What is missing: the gap, then a job a candidate, then one verdict.
 
+THRESHOLDS = str(CHECKOUT / "src" / "eaclutch" / "diagnosis" / "thresholds.yaml")
+DIAGNOSED = {
+    "runs": results("runs.csv"),
+    "bench": [results("gap.csv"), results("spectra.csv"), results("bursts.csv")],
+    "thresholds": THRESHOLDS,
+}
+
 
 rule diagnosis_gap:
     input:
-        runs=results("runs.csv"),
-        draws=expand(results("posterior/{stage}.nc"), stage=STAGES),
+        **DIAGNOSED,
     output:
         results("diagnosis/gap.json"),
     log:
-        log_of("diagnosis.gate"),
+        log_of("diagnosis_gap"),
     params:
         campaign=CAMPAIGN,
         results=RESULTS,
         bench=bench(),
-        settings=settings("model", "priors", "posterior", "diagnosis"),
-        seed=seed("diagnosis.gate"),
-        code=code("diagnosis.gate", effects=EFFECTS_ON),
+        settings=settings("model", "priors", "diagnosis"),
+        seed=seed("diagnosis"),
+        code=code("diagnosis.conclude", effects=EFFECTS_ON),
     message:
-        "diagnosis: is there a gap, and where"
+        "diagnosis: is there a gap"
     shell:
         "eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q} --results {params.results:q}"
         " --settings {params.settings:q} --seed {params.seed} --output {output:q}"
@@ -26,6 +32,7 @@ rule diagnosis_gap:
 rule diagnosis_candidate:
     input:
         gap=results("diagnosis/gap.json"),
+        **DIAGNOSED,
     output:
         results("diagnosis/candidates/{candidate}.json"),
     log:
@@ -34,9 +41,9 @@ rule diagnosis_candidate:
         campaign=CAMPAIGN,
         results=RESULTS,
         bench=bench(),
-        settings=settings("model", "priors", "posterior", "diagnosis"),
-        seed=lambda wildcards: seed("diagnosis_candidate", wildcards.candidate),
-        code=lambda wildcards: code("diagnosis.weigh", effects=[*EFFECTS_ON, wildcards.candidate]),
+        settings=settings("model", "priors", "diagnosis"),
+        seed=seed("diagnosis"),
+        code=lambda wildcards: code("diagnosis.study", effects=[*EFFECTS_ON, wildcards.candidate]),
     group:
         "candidates"
     message:
@@ -50,6 +57,7 @@ rule diagnosis:
     input:
         gap=results("diagnosis/gap.json"),
         candidates=expand(results("diagnosis/candidates/{candidate}.json"), candidate=CANDIDATES),
+        **DIAGNOSED,
     output:
         results("diagnosis/diagnosis.json"),
     log:
@@ -58,9 +66,9 @@ rule diagnosis:
         campaign=CAMPAIGN,
         results=RESULTS,
         bench=bench(),
-        settings=settings("model", "priors", "posterior", "diagnosis"),
+        settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
-        code=code("diagnosis.conclude", effects=[*EFFECTS_ON, *CANDIDATES]),
+        code=code("diagnosis.conclude", "diagnosis.pairs", effects=[*EFFECTS_ON, *CANDIDATES]),
     message:
         "diagnosis: the verdict"
     shell:
