@@ -7,9 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from eaclutch.records import FloatArray, Recording
+from eaclutch.rig.columns_in_step import sample_spacing
 from eaclutch.rig.estimate import Unusable
 
 DC_LABEL = 0.1  # Hz, the rig's way to write DC
+LOST = "voltage_lines_lost"  # flag of a voltage column whose edges cannot be trusted
 SENSED_HIGH = 50.0  # V, above this the sensed electrode carries the high voltage
 
 
@@ -62,7 +64,7 @@ def find_events(recording: Recording) -> Events:
     flags = []
     half_period = 0.5 / recording.settings.frequency
     dc = recording.settings.frequency <= DC_LABEL
-    step = float(np.median(np.diff(time)))
+    step = sample_spacing(time)
     late = time[sensed[0]] - time[first]
     if late > 3 * step and (dc or late > half_period + 3 * step):
         flags.append("voltage_late")
@@ -71,7 +73,7 @@ def find_events(recording: Recording) -> Events:
         after = int(sensed[-1])
         if time[after] - time[last] > 3 * step:
             flags.append("voltage_outlives_flag")
-    elif not dc and last - sensed[-1] >= 2 and half_period > 3 * step:
+    elif not dc and LOST not in recording.flags and last - sensed[-1] >= 2 and half_period > 3 * step:
         fall = time[sensed[-1]] + 0.5 * step
         rest = fall + half_period
         if time[last] + 1.5 * step < rest < time[last] + half_period + 1.5 * step and fall > time[first]:

@@ -10,7 +10,7 @@ from eaclutch.records import Bench, Recording
 from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.observables import OBSERVABLES
 from eaclutch.rig.preload import preload_of
-from eaclutch.rig.repair import repair, spoiled_samples
+from eaclutch.rig.repair import make_whole
 from eaclutch.rig.run_view import RunView
 from eaclutch.rig.table import empty_row
 
@@ -21,9 +21,8 @@ def extract(recording: Recording, bench: Bench) -> dict[str, Any]:
     Keys: run, settings (voltage_v, frequency_hz, width_mm, substrate), drive_duration_s, dwell_s, preload_n,
     ``<observable>`` and ``<observable>_sd`` (NaN where unusable), usable, flags (joined by ``;``).
     """
-    repaired = repair(recording)
-    run = RunView(repaired, spoiled_samples(repaired))
-    flags = list(repaired.flags)
+    run = RunView(make_whole(recording))
+    flags = list(run.whole.recording.flags)
     estimates = {}
     for name, observable in OBSERVABLES.items():
         try:
@@ -33,6 +32,7 @@ def extract(recording: Recording, bench: Bench) -> dict[str, Any]:
     row = empty_row(recording.settings.run)
     try:
         events = run.events
+        flags.append(run.zero.reason)
         flags += events.flags
         row |= {"drive_duration_s": events.drive_duration, "dwell_s": events.dwell}
     except Unusable as reason:
@@ -40,10 +40,8 @@ def extract(recording: Recording, bench: Bench) -> dict[str, Any]:
     row["preload_n"] = preload_of(estimates["friction_before_n"].value, recording.settings, bench)
     for name, estimate in estimates.items():
         row[name], row[f"{name}_sd"] = estimate.value, estimate.sd
-    if run.zero.reason:
-        flags.append(run.zero.reason)
     usable = [name for name, estimate in estimates.items() if estimate.usable]
     row["usable"] = bool(np.isin(["shear_capacity_n", "release_time_90_s"], usable).any())
-    row["flags"] = ";".join(sorted(set(flags)))
+    row["flags"] = ";".join(sorted(set(filter(None, flags))))
     row["reasons"] = ";".join(f"{name}:{e.reason}" for name, e in estimates.items() if e.reason)
     return row

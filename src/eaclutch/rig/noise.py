@@ -31,6 +31,19 @@ class Noise:
         starts = np.linspace(0, len(residual) - length, count).astype(int)
         return np.lib.stride_tricks.sliding_window_view(residual, length)[starts]
 
+    def binned(self, width: int) -> Noise:
+        """The noise of means over ``width`` samples."""
+        count = len(self.residual) // width * width
+        return Noise(self.residual[:count].reshape(-1, width).mean(axis=1), self.white_sd / np.sqrt(width))
+
+    def autocovariance(self, lags: int) -> FloatArray:
+        """Covariance of samples 0 .. lags - 1 apart [N^2], (lags,): the biased estimate, so positive definite."""
+        residual = self.residual - self.residual.mean()
+        size = 1 << int(np.ceil(np.log2(len(residual) + lags)))
+        found = np.fft.irfft(np.abs(np.fft.rfft(residual, size)) ** 2, size)[:lags] / len(residual)
+        found[0] = max(found[0], self.white_sd**2) * (1.0 + 1e-6)
+        return found
+
     def sd(self, weights: FloatArray, count: int = 160) -> float:
         """Standard uncertainty of sum(weights * force) [weights' unit x N], from this very noise.
 

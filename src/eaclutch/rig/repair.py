@@ -1,17 +1,109 @@
-"""Put columns that lost lines back in step, only where the hole can be located with certainty."""
+"""Make a recording whole where that is certain, and say where the force stands against the voltage.
+
+Time, single samples and whole columns are treated in turn. A force column that lost lines is put back in step only
+where an event shows its shift: the rise after voltage on, the drop after voltage off (rig/columns_in_step.py).
+"""
 
 from __future__ import annotations
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from eaclutch.records import Recording
+from eaclutch.rig.columns_in_step import (
+    lost_lines,
+    moved_right,
+    sample_spacing,
+    unbroken_time,
+    without_glitches,
+)
+from eaclutch.rig.estimate import Unusable
+from eaclutch.rig.events import LOST, find_events
+from eaclutch.rig.force_events import find_drop, find_rise
+
+# Where the force's events may lie around the voltage's, where nothing was lost [s]. The link loses lines by the
+# hundred (4 ms and more), so that these leave no doubt.
+BEFORE_OFF, AFTER_OFF = 0.001, 0.0025
+AROUND_ON, RISE_SD = 0.003, 0.0012
+
+
+@dataclass(frozen=True)
+class Whole:
+    """A repaired recording. ``on_shift``, ``off_shift``: by how many samples the force still stands too early
+    around voltage on and off; 0 where it is in step, NaN where that is not known. ``holes_while_driven``: lines of
+    the force were (or may have been) lost between the two."""
+
+    recording: Recording
+    on_shift: float = 0.0
+    off_shift: float = 0.0
+    holes_while_driven: bool = False
 
 
 def repair(recording: Recording) -> Recording:
-    """The recording with what could be repaired with certainty, flags saying what was found and done."""
-    return recording
+    """The recording with what could be repaired with certainty; flags say what was found and done."""
+    return make_whole(recording).recording
 
 
-def spoiled_samples(recording: Recording) -> np.ndarray:
-    """Samples (bool, (samples,)) whose force cannot be trusted or placed in time."""
-    return ~np.isfinite(recording.force)
+def make_whole(recording: Recording) -> Whole:
+    """Repair a recording as logged, and tell where its force column stands (see ``Whole``)."""
+    time, flags = unbroken_time(recording.time)
+    force, lost = recording.force, lost_lines(recording.force)
+    kept = len(force) - lost
+    mended, found = without_glitches(force[:kept])
+    force = np.concatenate([mended, np.full(lost, np.nan)])
+    flags += found
+    flag = np.where(np.isfinite(recording.flag), recording.flag, 0.0)
+    voltage = np.where(np.isfinite(recording.voltage), recording.voltage, 0.0)
+    if lost_lines(voltage):
+        flags += (LOST,)
+    whole = replace(
+        recording, time=time, force=force, flag=flag, voltage=voltage, flags=(*recording.flags, *flags)
+    )
+    if lost == 0:
+        return Whole(whole)
+    whole = replace(whole, flags=(*whole.flags, "force_lines_lost"))
+    try:
+        return _in_step(whole, lost)
+    except Unusable:
+        return Whole(whole, np.nan, np.nan, True)
+
+
+def _in_step(recording: Recording, lost: int) -> Whole:
+    """Move the force where the shift around an event is known. Raises Unusable without events."""
+    time, force = recording.time, recording.force
+    events = find_events(recording)
+    step = sample_spacing(time)
+    kept = len(force) - lost
+
+    drop = find_drop(time[:kept], force[:kept], events, lost * step)
+    rise = find_rise(time[:kept], force[:kept], events, lost * step)
+    off_shift = np.nan if drop is None else (events.off - drop) / step
+    on_shift = np.nan if rise is None or rise.sd > RISE_SD else (events.on - rise.value) / step
+
+    def falls(shift: float) -> bool:
+        return -AFTER_OFF / step < off_shift - shift < BEFORE_OFF / step
+
+    def rises(shift: float) -> bool:
+        return abs(on_shift - shift) < AROUND_ON / step
+
+    before = 0.0 if rises(0) else on_shift
+    if falls(0):
+        # nothing was lost before release: all is in step until then
+        return Whole(_flagged(recording, "force_in_step_until_release"))
+    if not falls(lost):
+        # lost in several places, or not to be told: the events' own times in the force are all there is
+        return Whole(_flagged(recording, "force_not_in_step"), before, off_shift, True)
+    if rises(lost):
+        # everything was lost before the voltage: all of that moves
+        start = int(np.searchsorted(time, events.on - 0.6)) - lost
+        moved = moved_right(force, max(start, 0), lost)
+        return Whole(_flagged(replace(recording, force=moved), "force_realigned"))
+    # lost while driven, at an unknown place: what comes after the middle of the hold moves
+    start = int(np.searchsorted(time, 0.5 * (events.on + events.off))) - lost // 2
+    moved = moved_right(force, start, lost)
+    return Whole(_flagged(replace(recording, force=moved), "force_realigned_from_release"), before, 0.0, True)
+
+
+def _flagged(recording: Recording, flag: str) -> Recording:
+    return replace(recording, flags=(*recording.flags, flag))

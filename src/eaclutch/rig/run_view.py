@@ -1,108 +1,158 @@
-"""One run as the observables see it: aligned columns, events, levels, zero, noise; each worked out once."""
+"""One run as the observables see it: whole columns, events, levels, zero, noise; each worked out once."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+import math
+from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 
-from eaclutch.records import FloatArray, Recording
+from eaclutch.records import FloatArray
+from eaclutch.rig.columns_in_step import GAP, sample_spacing
 from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.events import Events, find_events
 from eaclutch.rig.noise import Noise, noise_of
+from eaclutch.rig.repair import Whole
+from eaclutch.rig.zero import find_zero
 
 SETTLING = 0.15  # s after the voltage falls, until which the force may still ring
 BEFORE_ON = 0.02  # s, one period of the stage's full steps (50 Hz)
+PICK_UP = 4.8  # samples after an edge of the voltage in which the drive is seen in the force
+MARGIN = 0.002  # s kept clear of the force's own events where the column is not in step
 
 
 @dataclass(frozen=True)
 class RunView:
-    """A (repaired) recording with what all observables share.
+    """A repaired recording with what all observables share."""
 
-    ``spoiled``: samples (bool, (samples,)) of the force that cannot be trusted or placed in time.
-    """
-
-    recording: Recording
-    spoiled: np.ndarray
-    zero: Estimate = field(default_factory=lambda: Estimate(0.0, 0.0))
+    whole: Whole
 
     @property
     def time(self) -> FloatArray:
         """[s], (samples,)"""
-        return self.recording.time
+        return self.whole.recording.time
 
     @property
     def force(self) -> FloatArray:
-        """As logged [N], the zero not taken off, (samples,)"""
-        return self.recording.force
+        """As logged [N], the zero not taken off, (samples,); NaN where lines were lost."""
+        return self.whole.recording.force
 
     @cached_property
     def step(self) -> float:
         """Sample spacing [s]."""
-        return float(np.median(np.diff(self.time)))
+        return sample_spacing(self.time)
 
     @cached_property
     def events(self) -> Events:
-        """Raises Unusable."""
-        return find_events(self.recording)
+        """The voltage's events. Raises Unusable."""
+        if "time_broken" in self.whole.recording.flags:
+            raise Unusable("time_broken")
+        return find_events(self.whole.recording)
+
+    @cached_property
+    def force_on(self) -> float:
+        """Where voltage on stands in the force column [s]: ``events.on``, but for lost lines. Raises Unusable."""
+        shift = self.whole.on_shift
+        if math.isnan(shift):
+            raise Unusable("force_not_in_step")
+        return self.events.on - shift * self.step - (MARGIN if shift else 0.0)
+
+    @cached_property
+    def force_off(self) -> float:
+        """Where voltage off stands in the force column [s]: ``events.off``, but for lost lines. Raises Unusable."""
+        shift = self.whole.off_shift
+        if math.isnan(shift):
+            raise Unusable("force_not_in_step")
+        return self.events.off - shift * self.step
+
+    def require_in_step(self, event: Literal["on", "off"]) -> None:
+        """Raise Unusable unless the force is in step with the voltage around an event."""
+        if (self.whole.on_shift if event == "on" else self.whole.off_shift) != 0.0:
+            raise Unusable("force_not_in_step")
+
+    def require_unbroken_hold(self) -> None:
+        """Raise Unusable where lines of the force may have been lost while driven."""
+        if self.whole.holes_while_driven:
+            raise Unusable("force_lines_lost")
+
+    @cached_property
+    def pick_up(self) -> np.ndarray:
+        """Samples (bool, (samples,)) just after voltage on and off, in which the drive is seen in the force."""
+        after_on, after_off = (self.time - edge for edge in (self.events.on, self.events.off))
+        reach = PICK_UP * self.step
+        return ((after_on > 0) & (after_on < reach)) | ((after_off > 0) & (after_off < reach))
 
     def window(self, start: float, end: float, *, least: int = 4) -> slice:
-        """Samples with start <= time < end. Raises Unusable where they are too few or spoiled."""
-        first, last = np.searchsorted(self.time, [start, end])
+        """Samples with start <= time < end. Raises Unusable where they are too few, lost or interrupted."""
+        first, last = (int(i) for i in np.searchsorted(self.time, [start, end]))
         if last - first < least or start < self.time[0] - self.step or end > self.time[-1] + self.step:
             raise Unusable("too_short")
-        if self.spoiled[first:last].any():
-            raise Unusable("force_not_aligned")
-        return slice(int(first), int(last))
+        if not np.isfinite(self.force[first:last]).all():
+            raise Unusable("force_lines_lost")
+        if (
+            "time_gap" in self.whole.recording.flags
+            and np.diff(self.time[first:last]).max() > GAP * self.step
+        ):
+            raise Unusable("time_gap")
+        return slice(first, last)
 
     @cached_property
     def noise_moving(self) -> Noise:
         """Noise while the stage moves, from the second before the voltage. Raises Unusable."""
-        return self._noise(self.events.on - 1.2, self.events.on - 0.002)
+        return self._noise(self.force_on - 1.2, self.force_on - 0.002)
 
     @cached_property
     def noise_rest(self) -> Noise:
         """Noise while the stage rests, from the time after release. Raises Unusable."""
         try:
-            return self._noise(self.events.off + SETTLING, self.time[-1])
+            return self._noise(self.force_off + SETTLING, self.time[-1])
         except Unusable:
             return self.noise_moving
 
     def _noise(self, start: float, end: float) -> Noise:
         first, last = np.searchsorted(self.time, [start, end])
-        good = ~self.spoiled[first:last]
-        noise = noise_of(self.force[first:last][good], self.step)
+        noise = noise_of(self.force[first:last], self.step)
         if noise is None:
             raise Unusable("no_noise")
         return noise
+
+    @cached_property
+    def zero(self) -> Estimate:
+        """The force without contact [N]; 0 with the reason ``no_zero`` where the run does not show it."""
+        try:
+            return find_zero(self.time, self.force, self.force_on)
+        except Unusable:
+            return Estimate(0.0, 0.0, "no_zero")
 
     def mean(self, start: float, end: float, noise: Noise) -> Estimate:
         """Mean force [N] of a window, with the noise's share of its uncertainty."""
         window = self.window(start, end)
         count = window.stop - window.start
         block = min(count, max(4, round(BEFORE_ON / self.step)))
-        sd = noise.sd(np.full(block, 1.0 / block)) * np.sqrt(block / count)
+        sd = noise.sd(np.full(block, 1.0 / block)) * math.sqrt(block / count)
         return Estimate(float(np.mean(self.force[window])), sd)
 
     @cached_property
+    def friction_level(self) -> Estimate:
+        """Mean force over the 0.5 s before the voltage [N], the zero not taken off. Raises Unusable."""
+        return self.mean(self.force_on - 0.5, self.force_on, self.noise_moving)
+
+    @cached_property
     def force_before_on(self) -> Estimate:
-        """Force just before the voltage [N]: mean over one period of the stage's steps."""
-        on = self.events.on
-        return self.mean(on - BEFORE_ON, on, self.noise_moving)
+        """Force just before the voltage [N]: mean over one period of the stage's steps. Raises Unusable."""
+        return self.mean(self.force_on - BEFORE_ON, self.force_on, self.noise_moving)
 
     @cached_property
     def switch_off_level(self) -> Estimate:
-        """Median force of the last 3 ms before the voltage falls [N]."""
-        off = self.events.off
-        window = self.window(off - 0.003, off, least=10)
+        """Median force of the last 3 ms before the voltage falls [N]. Raises Unusable."""
+        window = self.window(self.force_off - 0.003, self.force_off, least=10)
         force = self.force[window]
-        noise = self.noise_moving
-        drawn = np.median(noise.windows(len(force), 160), axis=1)
+        drawn = np.median(self.noise_moving.windows(len(force), 160), axis=1)
         return Estimate(float(np.median(force)), float(np.sqrt(np.mean(drawn**2))))
 
     @cached_property
     def final_level(self) -> Estimate:
-        """Mean force 10 to 110 ms after the voltage fell [N]."""
-        off = self.events.off
-        return self.mean(off + 0.010, off + 0.110, self.noise_rest)
+        """Mean force 10 to 110 ms after the voltage fell [N]. Raises Unusable."""
+        return self.mean(self.force_off + 0.010, self.force_off + 0.110, self.noise_rest)

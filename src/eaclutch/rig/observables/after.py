@@ -16,8 +16,7 @@ def _final(run: RunView) -> Estimate:
 
 
 def _shift(run: RunView) -> Estimate:
-    final, on = run.final_level, run.events.on
-    before = run.mean(on - 0.5, on, run.noise_moving)
+    final, before = run.final_level, run.friction_level
     return Estimate(final.value - before.value, math.hypot(final.sd, before.sd))
 
 

@@ -17,7 +17,7 @@ SMOOTHING = 20 / 12800  # s: 20 samples of the rig
 
 def peak(run: RunView) -> Estimate:
     """Largest smoothed force while driven [N], the zero not taken off. Raises Unusable."""
-    window = run.window(run.events.on, run.events.off)
+    window = run.window(run.force_on, run.force_off)
     width = max(1, round(SMOOTHING / run.step))
     smooth = uniform_filter1d(run.force[window], width)[width:-width]
     return Estimate(float(smooth.max()), run.noise_moving.sd(np.full(width, 1.0 / width)))

@@ -11,8 +11,7 @@ from eaclutch.rig.run_view import RunView
 
 
 def _measure(run: RunView) -> Estimate:
-    on = run.events.on
-    mean = run.mean(on - 0.5, on, run.noise_moving)
+    mean = run.friction_level
     return Estimate(mean.value - run.zero.value, math.hypot(mean.sd, run.zero.sd))
 
 

@@ -26,7 +26,7 @@ def _start_ratio(run: RunView) -> Estimate:
     0.5 s before the voltage. The zero cancels."""
     level, final, top = run.switch_off_level, run.final_level, peak(run)
     before = run.force_before_on
-    friction = run.mean(run.events.on - 0.5, run.events.on, run.noise_moving)
+    friction = run.friction_level
     way = level.value - final.value
     most = top.value - before.value + friction.value - final.value
     if most < 5.0 * math.hypot(top.sd, before.sd, final.sd):
@@ -40,6 +40,7 @@ def _start_ratio(run: RunView) -> Estimate:
 
 
 def _creep(run: RunView) -> Estimate:
+    run.require_unbroken_hold()
     events = run.events
     start = max(events.off - CREEP_WINDOW, events.stage_stop + STAGE_SETTLING)
     if events.off - start < SHORTEST_CREEP:

@@ -20,6 +20,7 @@ def slope(run: RunView, start: float, end: float) -> Estimate:
 
 def _ramp(name: str, start: float, end: float) -> Observable:
     def measure(run: RunView) -> Estimate:
+        run.require_in_step("on")
         on = run.events.on
         return slope(run, on + start, on + end)
 

@@ -5,75 +5,60 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.signal import savgol_coeffs
 
-from eaclutch.records import FloatArray, ObservableInfo
+from eaclutch.records import ObservableInfo
 from eaclutch.rig.estimate import Estimate, Unusable
+from eaclutch.rig.fall import over_pick_up, passing_times, smoothed, smoothing_weights
 from eaclutch.rig.observables._observable import Observable
 from eaclutch.rig.run_view import RunView
 
-LOOK = 0.06  # s after the voltage fell in which the force must have gone its way
-LEAD = 0.003  # s before, from which the level at switch-off is taken
+LOOK = 0.02  # s after the voltage fell in which the force must have gone its way
 LEAST_DROP = 4.0  # standard deviations of one sample
-DRAWS = 96
-
-
-def smoothing(drop_over_noise: float) -> FloatArray:
-    """Weights of the local cubic: wider where the drop stands less far out of the noise (bias against scatter)."""
-    half = 3 if drop_over_noise > 20 else 4 if drop_over_noise > 10 else 6
-    return savgol_coeffs(2 * half + 1, 3)
-
-
-def first_crossings(time: FloatArray, force: FloatArray, level: FloatArray, start: float) -> FloatArray:
-    """First instant after ``start`` at which each smoothed force (draws, samples) falls through ``level`` (draws,).
-
-    Interpolated between samples; NaN where it never does.
-    """
-    below = (force < level[:, None]) & (time > start)
-    index = np.argmax(below, axis=1)
-    found = below.any(axis=1) & (index > 0)
-    index = np.where(found, index, 1)
-    rows = np.arange(len(force))
-    high, low = force[rows, index - 1], force[rows, index]
-    part = np.clip((high - level) / np.where(high > low, high - low, np.inf), 0.0, 1.0)
-    part = np.where(high <= level, 1.0, part)
-    crossing = time[index - 1] + part * (time[index] - time[index - 1])
-    return np.where(found, np.maximum(crossing, start), np.nan)
+DRAWS = 64
+CLEAR = 0.1  # of the way: a level is passed for good when the force is that far below
+REACH = 7  # samples after the pick-up that show how the fall begins
+SHARES = (0.1, 0.5, 0.9)
 
 
 def release_times(run: RunView) -> dict[float, Estimate]:
-    """Time from voltage off [s] to each share of the way from the force at switch-off to the final one."""
+    """Time from voltage off [s] to each share of the way from the force at switch-off to the final one.
+
+    The uncertainty, and the bias that is taken off, come from the run's own noise: windows of it are added to the
+    smoothed force and go the same way.
+    """
+    run.require_in_step("off")
     events, noise = run.events, run.noise_rest
     start, final = run.switch_off_level, run.final_level
     drop = start.value - final.value
     if drop < LEAST_DROP * noise.white_sd:
         raise Unusable("no_release")
-    weights = smoothing(drop / noise.white_sd)
-    window = run.window(events.off - LEAD, events.off + LOOK)
-    time, force = run.time[window], run.force[window]
-    fallen = int(np.searchsorted(time, events.off))
-    half = len(weights) // 2
-    # the force rests until the voltage falls: a cubic across that corner would round it
-    padded = np.concatenate([np.full(half, start.value), force, np.full(half, force[-half:].mean())])
-    smooth = np.convolve(padded, weights[::-1], mode="valid")
-    noise_drawn = noise.windows(len(force), DRAWS)
-    drawn_start = start.value + np.median(noise_drawn[:, :fallen], axis=1)
-    drawn_final = (
-        final.value + final.sd * np.sqrt(3.0) * np.linspace(-1, 1, DRAWS)[(37 * np.arange(DRAWS)) % DRAWS]
-    )
-    spread = np.apply_along_axis(np.convolve, 1, noise_drawn, weights[::-1], "same") + smooth
-    out = {}
-    for share in (0.1, 0.5, 0.9):
-        level = start.value - share * drop
-        value = first_crossings(time, smooth[None], np.array([level]), events.off)[0] - events.off
-        levels = drawn_start - share * (drawn_start - drawn_final)
-        drawn = first_crossings(time, spread, levels, events.off) - events.off
-        drawn = drawn[np.isfinite(drawn)]
-        if not math.isfinite(value) or len(drawn) < 0.9 * DRAWS:
-            out[share] = Estimate.missing("no_release")
+    weights = smoothing_weights(drop / noise.white_sd)
+    window = run.window(events.off, events.off + LOOK)
+    time, spoiled = run.time[window] - events.off, run.pick_up[window]
+
+    def passing(force: np.ndarray, level: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        smooth = smoothed(over_pick_up(time, force, spoiled, level, REACH), weights, level)
+        way = level - end
+        shares = [passing_times(time, smooth, level - share * way, CLEAR * way) for share in SHARES]
+        return smooth, np.stack(shares)
+
+    level, end = np.array([start.value]), np.array([final.value])
+    smooth, value = passing(run.force[None, window], level, end)
+    _, again = passing(smooth, level, end)
+    spread = noise.windows(len(time), DRAWS)
+    quantiles = (np.arange(DRAWS) + 0.5) / DRAWS - 0.5
+    drawn_start = start.value + start.sd * math.sqrt(12.0) * quantiles[(5 * np.arange(DRAWS)) % DRAWS]
+    drawn_end = final.value + final.sd * math.sqrt(12.0) * quantiles[(11 * np.arange(DRAWS)) % DRAWS]
+    _, drawn = passing(smooth + spread, drawn_start, drawn_end)
+    found = {}
+    for share, times, first, second in zip(SHARES, drawn, value[:, 0], again[:, 0], strict=True):
+        times = times[np.isfinite(times)]
+        if not (math.isfinite(first) and math.isfinite(second)) or len(times) < 0.9 * DRAWS:
+            found[share] = Estimate.missing("no_release")
             continue
-        out[share] = Estimate(float(value), math.hypot(float(np.std(drawn)), events.off_sd))
-    return out
+        bias = float(np.mean(times)) - second
+        found[share] = Estimate(first - bias, math.hypot(float(np.std(times)), events.off_sd))
+    return found
 
 
 def _release(share: float) -> Observable:
@@ -87,4 +72,4 @@ def _release(share: float) -> Observable:
     return Observable(ObservableInfo(f"release_time_{share * 100:g}_s", "s", "release", text), measure)
 
 
-OBSERVABLES = tuple(_release(share) for share in (0.1, 0.5, 0.9))
+OBSERVABLES = tuple(_release(share) for share in SHARES)

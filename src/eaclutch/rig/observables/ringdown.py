@@ -13,7 +13,7 @@ START, END = 0.004, 0.030  # s after the voltage fell
 
 def swing(run: RunView) -> Swing:
     """The damped swing after release. Raises Unusable (``no_swing``)."""
-    off = run.events.off
+    off = run.force_off
     window = run.window(off + START, off + END, least=60)
     found = fit_swing(run.time[window] - off, run.force[window], run.noise_rest.white_sd)
     if found is None:

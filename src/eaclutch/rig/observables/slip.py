@@ -16,6 +16,7 @@ THRESHOLD = 7.0  # standard deviations of the difference of two such means
 
 
 def _measure(run: RunView) -> Estimate:
+    run.require_unbroken_hold()
     events = run.events
     window = run.window(events.on + 0.001, events.off - 0.001)
     force = run.force[window]

@@ -1,0 +1,84 @@
+"""The two events that the force itself shows: its rise after the voltage came on, its drop after it fell."""
+
+from __future__ import annotations
+
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
+from eaclutch.records import FloatArray
+from eaclutch.rig.columns_in_step import sample_spacing
+from eaclutch.rig.estimate import Estimate
+from eaclutch.rig.events import Events
+from eaclutch.rig.noise import noise_of
+from eaclutch.rig.onset import onset
+
+REST = 0.2  # s of force after release that give its last level
+HELD = 0.02  # s over which the level before the drop is taken
+RINGING = 0.008  # s of ring-down that is skipped
+FALL = 8  # samples, what release takes at most
+CLEAR = 6.0  # standard deviations
+
+
+def find_drop(time: FloatArray, force: FloatArray, events: Events, early: float) -> float | None:
+    """When the force leaves its hold for good [s], looked for from ``early`` before voltage off; None if unclear.
+
+    Taken back from the half-way point along the steepest line to the level before.
+    """
+    step = sample_spacing(time)
+    first, last = np.searchsorted(time, [events.off - early - 0.05, events.off + 0.02])
+    rest = force[np.searchsorted(time, time[-1] - REST) :]
+    if last - first < 100 or len(rest) < 100:
+        return None
+    part = force[first:last]
+    final, noise = float(np.median(rest)), _noise(rest)
+    before, gap, after = (max(3, round(seconds / step)) for seconds in (HELD, RINGING, HELD))
+    sums = np.concatenate([[0.0], np.cumsum(part)])
+    at = np.arange(before, len(part) - gap - after)
+    if len(at) < 10:
+        return None
+    held = (sums[at] - sums[at - before]) / before
+    left = (sums[at + gap + after] - sums[at + gap]) / after
+    height = held - left
+    # a slip while driven ends above the last level, release ends there
+    height[np.abs(left - final) > 0.25 * np.abs(held - final) + 3.0 * noise / np.sqrt(after)] = -np.inf
+    best = int(np.argmax(height))
+    if height[best] < CLEAR * noise / np.sqrt(5):
+        return None
+    # the steepest fall around there, and back to where the force was last at its level
+    near = slice(int(at[best]) - gap, int(at[best]) + 2 * gap)
+    smooth = uniform_filter1d(part, 5)[near]
+    fall = smooth[FALL:] - smooth[:-FALL]
+    steepest = int(np.argmin(fall))
+    level = float(np.median(part[near][:steepest])) if steepest >= 20 else float(held[best])
+    back = np.flatnonzero(smooth[: steepest + FALL] > level - 0.15 * float(height[best]))
+    return float(time[first + near.start + back[-1]]) - 2 * step if len(back) else None
+
+
+def find_rise(time: FloatArray, force: FloatArray, events: Events, early: float) -> Estimate | None:
+    """When the force begins its rise [s], looked for from ``early`` before voltage on; None if unclear."""
+    step = sample_spacing(time)
+    marks = [events.on - early - 0.35, events.on - early - 0.05, events.on + 0.06]
+    first, start, last = np.searchsorted(time, marks)
+    quiet = force[first:start]
+    noise = noise_of(quiet, step)
+    if noise is None or last <= start:
+        return None
+    width = max(3, round(0.01 / step))  # half a period of the stage's steps at 50 Hz
+    means = uniform_filter1d(force[first:last], width)
+    spread = means[: start - first]
+    above = means[start - first :] > spread.mean() + max(
+        CLEAR * spread.std(), 2.0 * noise.white_sd / np.sqrt(width)
+    )
+    if not above[-1] or above[0]:
+        return None
+    crossing = float(time[start + int(np.flatnonzero(~above)[-1]) + 1])
+    near = slice(*np.searchsorted(time, [crossing - 0.03, crossing + 0.01]))
+    if near.stop - near.start < 300:
+        return None
+    everything = np.ones(near.stop - near.start, dtype=bool)
+    found = onset(time[near] - crossing, force[near], everything, noise, (-0.02, 0.004))
+    return Estimate(crossing + found.value, found.sd)
+
+
+def _noise(force: FloatArray) -> float:
+    return 1.4826 * float(np.median(np.abs(np.diff(force)))) / np.sqrt(2.0)
