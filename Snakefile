@@ -5,6 +5,7 @@ min_version("9.0")
 
 
 include: "workflow/rules/common.smk"
+include: "workflow/rules/fixture.smk"
 include: "workflow/rules/capture.smk"
 include: "workflow/rules/observables.smk"
 include: "workflow/rules/posterior.smk"
