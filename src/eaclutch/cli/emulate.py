@@ -16,6 +16,7 @@ from eaclutch.rig.link.emulator import EmulatedRig, Source
 from eaclutch.rig.link.faults import FAULTS, random_faults
 from eaclutch.rig.link.plan import make_plan, read_plan
 from eaclutch.rig.link.protocol import BenchSetting, Command, Timing
+from eaclutch.rig.link.synthetic import SyntheticBench
 from eaclutch.rig.logs import read_log
 
 
@@ -52,7 +53,7 @@ from eaclutch.rig.logs import read_log
 )
 @click.option("--seed", type=int, default=1, show_default=True, help="Of noise and faults.")
 def emulate(
-    link: Path, campaign: Path, replay: bool, plan_file: Path | None, effects: tuple[str, ...],
+    link: Path, campaign: Path, replay: bool, synthetic: bool, plan_file: Path | None, effects: tuple[str, ...],
     speed_factor: float | None, faults: tuple[str, ...], fault_share: float, bytes_per_second: float | None,
     journal: Path | None, seed: int,
 ) -> None:  # fmt: skip
@@ -62,8 +63,11 @@ def emulate(
         read_plan(plan_file) if plan_file else make_plan({"factors": {"voltage_v": [300]}}, "emulate"),
         speed_factor,
     )
-    if replay:
-        source: Source = _Replay(campaign, rng)
+    source: Source
+    if synthetic:
+        source = SyntheticBench(rng, plan.timing)
+    elif replay:
+        source = _Replay(campaign, rng)
     else:
         source = _simulated(load_bench(campaign), effects, plan.timing, rng)
     kinds = FAULTS if "any" in faults else faults

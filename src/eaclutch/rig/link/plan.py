@@ -61,7 +61,7 @@ def condition_key(settings: RunSettings) -> str:
         "", _ANY_STAMP, settings.travel, settings.speed, settings.preload, settings.voltage,
         settings.frequency, settings.width, settings.substrate,
     )  # fmt: skip
-    return log_name(stamped)[len("20000101_00_00_00_") :]
+    return log_name(stamped)[len("20000101_00_00_00_bts_") :]
 
 
 def slot_key(slot: Slot) -> str:

@@ -96,9 +96,9 @@ def render(columns: Columns) -> bytes:
     """The rig's reply, byte for byte."""
     count = b"%d" % len(columns)
     blocks = (
-        [b"%d" % value for value in columns.time_us.astype(np.int64).tolist()],
+        [b"%d" % value for value in np.rint(columns.time_us).astype(np.int64).tolist()],
         [b"%.*f" % (FORCE_DECIMALS, value) for value in columns.force.tolist()],
-        [b"%d" % value for value in columns.flag.astype(np.int64).tolist()],
+        [b"%d" % value for value in np.rint(columns.flag).astype(np.int64).tolist()],
         [b"%.*f" % (VOLTAGE_DECIMALS, value) for value in columns.voltage.tolist()],
     )
     lines = [count]

@@ -81,9 +81,10 @@ class SerialLink:
         raw = bytearray()
         try:
             self._serial.reset_input_buffer()
+            start = time.monotonic()
             self._serial.write(two)
             self._serial.flush()
-            return self._read(command, raw, progress)
+            return self._read(command, raw, progress, start)
         except (serial.SerialException, OSError) as error:
             self.close()
             raise _Partial("vanished", f"the port went away after {len(raw)} bytes ({error})", raw) from None
@@ -113,8 +114,7 @@ class SerialLink:
             self.close()
         return thrown
 
-    def _read(self, command: Command, raw: bytearray, progress: Progress) -> Reply:
-        start = time.monotonic()
+    def _read(self, command: Command, raw: bytearray, progress: Progress, start: float) -> Reply:
         motion = command.silence(self.timing) / self.settings.speed_factor
         longest = 4 * MEMORY_SAMPLES * LONGEST_LINE
         lines, wanted, first, last = 0, None, 0.0, 0.0

@@ -16,6 +16,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+import numpy as np
+
 from eaclutch.files import read_json, sha256, write_json
 from eaclutch.records import InputError, Recording
 from eaclutch.rig.link.plan import Plan, Slot, condition_key
@@ -169,7 +171,7 @@ class CampaignStore:
 
 def columns_of(recording: Recording) -> Columns:
     """A recording's columns as the rig sends them."""
-    return Columns(recording.time * 1e6, recording.force, recording.flag, recording.voltage)
+    return Columns(np.rint(recording.time * 1e6), recording.force, recording.flag, recording.voltage)
 
 
 def sync_folder(folder: Path) -> None:
