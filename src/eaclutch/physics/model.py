@@ -21,7 +21,7 @@ from eaclutch.physics.tables import tables
 from eaclutch.records import Bench, FloatArray, InputError, RunConditions
 
 ENGAGED_FRACTION = 0.005  # of the gap's way: when the published rig can first notice the force rise
-TOLERANCE = 3e-5  # local error of the film's position over its whole displacement
+TOLERANCE = 2e-5  # local error of the film's position over its whole displacement
 CHUNK = 32_768  # simulations at a time: rows and results of a chunk stay below 20 MB
 LEAST_FRICTION = 1e-3  # N; a measured friction before below this is taken as this
 

@@ -10,6 +10,8 @@ from eaclutch.physics.kernels.lookup import relaxation
 
 RELEASING, ENGAGING = 0, 1
 SPENT = 1e-16  # of V0^2: below this a falling voltage is off
+SPENT_AFTER = 18.5  # time constants; exp(-2 x 18.5) < SPENT
+NO_FIELD = (0.0, 1.0, 1.0, 1.0, 1.0, 0, 0.0)
 
 
 @inlined
@@ -18,7 +20,7 @@ def history(p, t, phase, tables):
     (Mittag-Leffler), continuous at t = 0."""
     time_constant = p.fall_time_constant if phase == RELEASING else p.rise_time_constant
     decay, rate = 0.0, 0.0
-    if time_constant > 0.0:
+    if t < SPENT_AFTER * time_constant:
         decay = math.exp(-t / time_constant)
         rate = decay / time_constant
     if phase == RELEASING:
@@ -51,10 +53,8 @@ def fields_at(p, t, phase, tables):
     full = p.force_scale * p.voltage * p.voltage
     ratio, _, kappa, _ = history(p, t, phase, tables)
     left = residual_left(p, t, phase)
-    if ratio <= SPENT:
-        ratio = 0.0
-    main = make_field(p, full * ratio, kappa, ratio + left)
-    rest = make_field(p, full * left, p.kappa_driven, ratio + left) if left > 0.0 else main
+    main = make_field(p, full * ratio, kappa, ratio + left) if ratio > SPENT else NO_FIELD
+    rest = make_field(p, full * left, p.kappa_driven, ratio + left) if left > 0.0 else NO_FIELD
     return main, rest, left > 0.0
 
 

@@ -28,9 +28,18 @@ def _frictions(p, lift, normal_base):
 
 
 @compiled
-def _quintic(f, ends, dt, scale, linear_a, linear_b):
+def _inertia(p, slopes, v, dt):
+    """m_d h'' [N]. Over steps long against m_d / c the net force is a small difference of large ones and holds
+    little but the error in v; there m_d h'' follows the slow forces, (m_d / c) d/dt of them at fixed v."""
+    net, by_h, by_v, by_t = slopes
+    slow = -p.film_mass / by_v * (by_h * v + by_t)
+    return slow + (net - slow) * math.exp(by_v / p.film_mass * dt)
+
+
+@compiled
+def _quintic(f, ends, dt, scale, linear_a, linear_b, bulge):
     """f(s) on [0, dt]: ``scale`` x the quintic with the values and slopes ``ends`` = (start, middle, end) of the
-    contact force, plus the straight line from linear_a to linear_b."""
+    contact force, plus the parabola from linear_a to linear_b whose mean exceeds the straight line's by ``bulge``."""
     a, slope_a, b, slope_b, c, slope_c = ends
     p, q, r = slope_a * dt, slope_b * dt, slope_c * dt
     # the ends' cubic, then s^2 (1 - s)^2 (bend + twist (s - 1/2)) for value and slope in the middle
@@ -40,8 +49,8 @@ def _quintic(f, ends, dt, scale, linear_a, linear_b):
     bend -= 0.5 * twist
     i = 1.0 / dt
     f[0] = scale * a + linear_a
-    f[1] = (scale * p + linear_b - linear_a) * i
-    f[2] = scale * (cubic_2 + bend) * i * i
+    f[1] = (scale * p + linear_b - linear_a + 6.0 * bulge) * i
+    f[2] = (scale * (cubic_2 + bend) - 6.0 * bulge) * i * i
     f[3] = scale * (cubic_3 - 2.0 * bend + twist) * i * i * i
     f[4] = scale * (bend - 2.0 * twist) * i * i * i * i
     f[5] = scale * twist * i * i * i * i * i
@@ -89,7 +98,7 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
                     dt = next_step(dt, ratio) if ratio == ratio else 0.2 * dt
                     continue
                 slopes = net_force_slopes(p, t + dt, new_h, new_v, load, gap_before, RELEASING, tables)
-                new_inertia = slopes[0]
+                new_inertia = _inertia(p, slopes, new_v, dt)
             else:
                 new_h, new_v = equilibrium(p, t + dt, h, load, gap_before, RELEASING, tables)
                 ratio = (0.02 * (fast + t) / dt) ** -4 * 0.5 if dt > 0.0 else 0.0
@@ -103,11 +112,16 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
         mid_v = 1.5 * (new_h - h) / dt - 0.25 * (v + new_v)
         mid, slope = contact(p, mid_h, tables)
         ends = lift, lift_rate, mid, slope * mid_v, new_lift, new_rate
-        _quintic(kinetic, ends, dt, p.film_kinetic, p.base_kinetic * base_a, p.base_kinetic * base_b)
+        # the film's momentum says exactly what its inertia adds to the base's friction over the step
+        bulge = (
+            p.film_mass * (new_v - v) / dt - 0.5 * (inertia + new_inertia) if damped and not settled else 0.0
+        )
+        _quintic(kinetic, ends, dt, p.film_kinetic, p.base_kinetic * base_a, p.base_kinetic * base_b,
+                 p.base_kinetic * bulge)  # fmt: skip
         factor = p.static_factor_release
         _quintic(static, ends, dt, factor * p.film_static,
                  factor * p.base_static * base_a + p.side_friction_static,
-                 factor * p.base_static * base_b + p.side_friction_static)  # fmt: skip
+                 factor * p.base_static * base_b + p.side_friction_static, factor * p.base_static * bulge)  # fmt: skip
         enough = (
             advance(p, state, segments, t, dt, kinetic, static, spare)
             if dynamic
