@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import hashlib
-import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
+
+import h5py
+import numpy as np
 
 from eaclutch.files import read_json, sha256, write_json, write_text
 from eaclutch.provenance import commit, versions
 from eaclutch.records import Campaign, InputError
 
-# Not results: job logs, and what differs between equal runs or says where the campaign lay.
-_APART = ("logs", "checkpoints", ".campaign", "manifest.json")
+# What the default run leaves: files at the top of the results folder, and these folders. Studies keep their own.
+_FOLDERS = ("observables", "posterior", "predict", "diagnosis")
+_NOT_RESULTS = ("manifest.json",)
+# Equal runs give equal draws, but a file notes when it was made.
+_TIME_ATTRIBUTES = ("created_at", "_NCProperties")
 
 
 def write_capture(campaign: Campaign, batch_size: int, output: Path) -> None:
@@ -120,23 +125,47 @@ def _differences(entries: list[dict[str, Any]], folder: Path, kind: str) -> list
         path = folder / entry["path"]
         if not path.is_file():
             found.append(f"{kind} {entry['path']} is missing")
-        elif sha256(path) != entry["sha256"]:
+        elif content_hash(path) != entry["sha256"]:
             found.append(f"{kind} {entry['path']} has changed")
     return found
 
 
 def _result_files(results: Path) -> list[Path]:
-    paths = []
-    for folder, folders, names in os.walk(results):
-        folders[:] = sorted(name for name in folders if not (Path(folder) == results and name in _APART))
-        paths += [
-            Path(folder, name) for name in sorted(names) if not (Path(folder) == results and name in _APART)
-        ]
+    paths = [path for path in results.glob("[!.]*") if path.is_file() and path.name not in _NOT_RESULTS]
+    for folder in _FOLDERS:
+        paths += [path for path in (results / folder).rglob("[!.]*") if path.is_file()]
     return sorted(paths)
 
 
+def content_hash(path: Path) -> str:
+    """SHA-256 of what a file says: of its bytes, or of the groups, arrays and attributes of a .nc file."""
+    if path.suffix != ".nc":
+        return sha256(path)
+    digest = hashlib.sha256()
+
+    def add(name: str, item: h5py.Group | h5py.Dataset) -> None:
+        digest.update(name.encode())
+        for key in sorted(set(item.attrs) - set(_TIME_ATTRIBUTES)):
+            value = item.attrs[key]
+            if not isinstance(value, h5py.Empty) and np.asarray(value).dtype.kind != "O":
+                digest.update(key.encode() + np.asarray(value).tobytes())
+            elif isinstance(value, str):
+                digest.update(key.encode() + value.encode())
+        if isinstance(item, h5py.Dataset):
+            digest.update(np.ascontiguousarray(item[()]).tobytes())
+
+    with h5py.File(path) as file:
+        add("", file)
+        file.visititems(add)
+    return digest.hexdigest()
+
+
 def _entry(path: Path, folder: Path) -> dict[str, Any]:
-    return {"path": path.relative_to(folder).as_posix(), "bytes": path.stat().st_size, "sha256": sha256(path)}
+    return {
+        "path": path.relative_to(folder).as_posix(),
+        "bytes": path.stat().st_size,
+        "sha256": content_hash(path),
+    }
 
 
 def _batch(run: str, batches: int) -> int:
