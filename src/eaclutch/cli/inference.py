@@ -1,0 +1,144 @@
+"""Commands of the inference room: a stage's posterior, the table of all stages, predictions of every run."""
+
+from __future__ import annotations
+
+import json
+import logging
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pandas as pd
+
+from eaclutch.files import write_json
+from eaclutch.inference import storage
+from eaclutch.inference.parameters import with_priors
+from eaclutch.inference.posterior import (
+    StageInputs,
+    gate,
+    run_stage,
+    sampler_settings,
+    stage_problem,
+    with_code,
+)
+from eaclutch.inference.problem import STAGES
+from eaclutch.inference.stages.contact import ContactSettings
+from eaclutch.inference.stages.force import CapacityData
+from eaclutch.inference.summary import summarise
+from eaclutch.physics.effects import BASE
+from eaclutch.physics.model import ClutchModel
+from eaclutch.provenance import code_hash
+from eaclutch.records import Bench
+from eaclutch.rig.campaign import open_campaign
+from eaclutch.rig.capacitance import read_capacitance
+from eaclutch.rig.load_cell import read_bursts
+from eaclutch.rig.spectra import read_spectra
+from eaclutch.rig.table import conditions_from_runs
+
+_FOLDER = click.Path(path_type=Path)
+_FILE = click.Path(dir_okay=False, path_type=Path)
+
+
+def _common(command: Any) -> Any:
+    for option in (
+        click.option("--seed", type=int, default=1, show_default=True, help="Seed of the sampler."),
+        click.option(
+            "--settings", default="{}", help="Config sections as JSON: posterior, priors, model, predict."
+        ),
+        click.option("--results", type=_FOLDER, required=True, help="The campaign's results folder."),
+        click.option("--campaign", type=_FOLDER, required=True, help="The campaign's folder."),
+    ):
+        command = option(command)
+    return command
+
+
+def model_arguments(model: dict[str, Any]) -> dict[str, Any]:
+    """Arguments of ClutchModel from the config's ``model`` section, without the multiplier's form."""
+    on = [name for name in model.get("effects") or BASE if name not in model.get("without", ())]
+    return {
+        "effects": on,
+        "roughness_rule": model.get("roughness_rule", "published"),
+        "roughness_cut": model.get("roughness_cut", 0.83),
+    }
+
+
+def _runs(results: Path) -> pd.DataFrame:
+    return pd.read_csv(results / "runs.csv", dtype={"run": str, "flags": str, "reasons": str})
+
+
+def capacity_data(runs: pd.DataFrame, bench: Bench) -> CapacityData | None:
+    """Usable runs with voltage and a shear capacity."""
+    good = runs["shear_capacity_n"].gt(0) & runs["shear_capacity_n_sd"].notna() & runs["voltage_v"].gt(0)
+    conditions = conditions_from_runs(runs[good], bench)
+    picked = runs.set_index("run").loc[list(conditions.run)]
+    if not len(picked):
+        return None
+    return CapacityData(
+        conditions, picked["shear_capacity_n"].to_numpy(float), picked["shear_capacity_n_sd"].to_numpy(float)
+    )
+
+
+@click.command("posterior")
+@click.argument("stage", type=click.Choice(STAGES))
+@_common
+@click.option("--output", type=_FILE, required=True, help="InferenceData file to write.")
+@click.option("--gate", "gate_file", type=_FILE, required=True, help="Gate file to write.")
+def posterior(
+    stage: str, campaign: Path, results: Path, settings: str, seed: int, output: Path, gate_file: Path
+) -> None:
+    """Sample a STAGE of the posterior (.nc) and say whether it converged (.gate.json)."""
+    chosen = json.loads(settings)
+    config, model = chosen["posterior"], chosen.get("model", {})
+    opened = open_campaign(campaign)
+    arguments = model_arguments(model)
+    form = model.get("force_multiplier_form", "linear")
+    known = ClutchModel(opened.bench, **arguments, force_multiplier_form="linear").parameters
+    inputs: dict[str, Any] = {
+        "bench": opened.bench,
+        "parameters": with_priors(known, chosen.get("priors", {})),
+    }
+    inputs["earlier"] = [path for name in _earlier(stage) if (path := output.parent / f"{name}.nc").is_file()]
+    if stage == "dielectric":
+        inputs |= {"spectra": read_spectra(opened), "spectra_weights": config["spectra_weights"]}
+    elif stage == "load_cell":
+        inputs["bursts"] = read_bursts(opened)
+    elif stage == "contact":
+        readings = read_capacitance(opened)
+        inputs["readings"] = readings if len(readings.force) else None
+        inputs["contact"] = ContactSettings(
+            force_sd=config["capacitance_force_sd_n"], force_max=config["capacitance_force_max_n"],
+            widths=tuple(w * 1e-3 for w in config["capacitance_widths_mm"]),
+            stray_sd=config["stray_capacitance_sd_pf"] * 1e-12,
+        )  # fmt: skip
+    else:
+        inputs |= {
+            "capacity": capacity_data(_runs(results), opened.bench),
+            "multiplier_form": form,
+            "model": arguments,
+        }
+    problem = stage_problem(stage, StageInputs(**inputs), np.random.default_rng([seed, 7]))
+    problem = with_code(problem, code_hash(["inference.posterior"], arguments["effects"]))
+    for note in problem.notes:
+        logging.info("%s: %s", stage, note)
+    sampler = sampler_settings(config)
+    checkpoint = output.with_suffix(".checkpoint.npz")
+    data, sampled = run_stage(problem, sampler, seed, checkpoint)
+    storage.save(output, data)
+    write_json(gate_file, gate(problem, sampler, sampled))
+    checkpoint.unlink(missing_ok=True)
+
+
+def _earlier(stage: str) -> tuple[str, ...]:
+    return {"contact": ("dielectric",), "force": ("dielectric", "load_cell", "contact")}.get(stage, ())
+
+
+@click.command("posterior-summary")
+@click.argument("files", nargs=-1, required=True, type=_FILE)
+@click.option("--output", type=_FILE, required=True, help="summary.json to write.")
+def posterior_summary(files: tuple[Path, ...], output: Path) -> None:
+    """Means, quantiles and diagnostics of all stages (summary.json) from their FILES."""
+    write_json(output, summarise(files))
+
+
+COMMANDS = [posterior, posterior_summary]
