@@ -27,11 +27,13 @@ class PlannedRun:
 @dataclass(frozen=True)
 class RecordTiming:
     """Timing of a record [s]: the stage starts at 0, the voltage comes at ``before``, the stage stops when it has
-    gone ``travel`` [m] since, and the record ends ``after`` later. Defaults are the rig's."""
+    gone ``travel`` [m] since, and the record ends ``after`` later. The tip meets the strip at a chance moment
+    within ``contact``; what comes before shows the zero. Defaults are the rig's."""
 
     before: float = 2.0
     travel: float = 1.5e-3
     after: float = 2.0
+    contact: tuple[float, float] = (0.03, 0.4)
     sample_interval: float = 78.125e-6
 
 

@@ -44,7 +44,9 @@ def from_facts(facts: Mapping[str, Any], rng: np.random.Generator) -> Recipe:
     record, side = facts["record"], facts["side"]
     plan = Plan(
         runs=sweep(facts["conditions"], days, facts["repeats"], rng),
-        timing=RecordTiming(record["before_s"], record["travel_mm"] * 1e-3, record["after_s"]),
+        timing=RecordTiming(
+            record["before_s"], record["travel_mm"] * 1e-3, record["after_s"], tuple(record["contact_s"])
+        ),
         side=SideBenches(
             capacitance_widths=tuple(width * 1e-3 for width in side["capacitance_widths_mm"]),
             capacitance_trials=side["capacitance_trials"],

@@ -50,7 +50,7 @@ def record_run(
     force = model.history(
         conditions, index, scattered(parameters, noise, rng), time - on, capacity_factors=factors
     )
-    force = _before_contact(force, time, parameters["stiffness"] * settings.speed, timing.before, rng)
+    force = _before_contact(force, time, parameters["stiffness"] * settings.speed, timing, rng)
     voltage = sensed_voltage(
         time, on, off, settings.voltage, settings.frequency, model.bench.drive, noise, rng
     )
@@ -61,9 +61,9 @@ def record_run(
 
 
 def _before_contact(
-    force: FloatArray, time: FloatArray, ramp_rate: float, before: float, rng: np.random.Generator
+    force: FloatArray, time: FloatArray, ramp_rate: float, timing: RecordTiming, rng: np.random.Generator
 ) -> FloatArray:
     """No force until the stage meets the substrate, then it climbs at ``ramp_rate`` [N/s] to the sliding one."""
-    met = rng.uniform(0.05, 0.2) * before
+    met = min(rng.uniform(*timing.contact), 0.3 * timing.before)
     climbing = np.maximum(time - met, 0.0) * ramp_rate
-    return np.where(time < before, np.minimum(force, climbing), force)
+    return np.where(time < timing.before, np.minimum(force, climbing), force)

@@ -1,0 +1,142 @@
+"""How often the extractor's intervals hold the truth, on simulated runs whose noiseless force is known."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from datetime import datetime, timedelta
+
+import numpy as np
+import pandas as pd
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import uniform_filter1d
+
+from eaclutch.physics.model import ClutchModel
+from eaclutch.records import Bench, Recording
+from eaclutch.rig.extract import extract
+from eaclutch.rig.observables import OBSERVABLES
+from eaclutch.simulation.campaign import conditions_of, settings_of
+from eaclutch.simulation.drive_signal import clock, half_wave
+from eaclutch.simulation.noise import BenchNoise
+from eaclutch.simulation.plan import Plan, PlannedRun, RecordTiming
+from eaclutch.simulation.run import record_run
+
+VOLTAGES = (150.0, 200.0, 250.0, 300.0)
+FREQUENCIES = (0.1, 1.0, 10.0, 100.0, 1000.0, 5000.0)
+PRELOADS = (0.1, 0.5, 1.0)  # N
+START = datetime(2030, 1, 1, 9)
+
+
+def clean_noise(noise: BenchNoise) -> BenchNoise:
+    """The same bench with nothing added to the force; what scatters from run to run and slip to slip stays."""
+    return replace(
+        noise, white=0.0, mains_amplitude=0.0, lines=(), pickup=0.0, pickup_rising=0.0, pickup_falling=0.0, force_count=0.0
+    )  # fmt: skip
+
+
+def truth_of(clean: Recording, on: float, off: float) -> dict[str, float]:
+    """The observables of a noiseless recording by their definitions, ``on`` and ``off`` [s] being known exactly.
+
+    Those without a definition in closed form (slips, swings, ratios) are not among them.
+    """
+    time, force = clean.time, clean.force
+
+    def mean(start: float, end: float) -> float:
+        return float(force[(time >= start) & (time < end)].mean())
+
+    def slope(start: float, end: float) -> float:
+        picked = (time >= start) & (time < end)
+        return float(np.polyfit(time[picked] - start, force[picked], 1)[0])
+
+    driven = (time >= on) & (time < off)
+    friction, before, final = mean(on - 0.5, on), mean(on - 0.02, on), mean(off + 0.01, off + 0.11)
+    held = float(np.median(force[(time >= off - 0.003) & (time < off)]))
+    rising = np.flatnonzero((time > on) & (force > force[(time < on)][-1] + 5e-4))
+    found = {
+        "friction_before_n": friction,
+        "engagement_time_s": float(time[rising[0]] - on) if len(rising) else np.nan,
+        "ramp_rate_n_s": slope(on + 0.002, on + 0.020),
+        "ramp_rate_early_n_s": slope(on + 0.0005, on + 0.005),
+        "ramp_rate_late_n_s": slope(on + 0.05, on + 0.2),
+        "shear_capacity_n": float(uniform_filter1d(force[driven], 20)[20:-20].max()) - before,
+        "switch_off_force_n": held,
+        "final_force_n": final,
+        "baseline_shift_n": final - friction,
+    }
+    found["start_ratio"] = (held - final) / (found["shear_capacity_n"] + friction - final)
+    after = (time >= off - 0.002) & (time < off + 0.03)
+    fine = np.arange(off, off + 0.02, 1e-6)
+    falling = CubicSpline(time[after], force[after])(fine)
+    for share in (0.1, 0.5, 0.9):
+        below = np.flatnonzero(falling < held - share * (held - final))
+        found[f"release_time_{share * 100:g}_s"] = float(fine[below[0]] - off) if len(below) else np.nan
+    return found
+
+
+def compare(count: int, bench: Bench, noise: BenchNoise, rng: np.random.Generator) -> pd.DataFrame:
+    """A row a run and observable: run, observable, truth, value, sd. ``count`` runs over voltages, frequencies,
+    preloads and the bench's widths; those without a clean release or rise give no truth for it."""
+    model, timing = ClutchModel(bench), RecordTiming()
+    widths = sorted({width for substrate in bench.substrates.values() for width in substrate.thickness})
+    substrate = next(iter(bench.substrates))
+    values = {name: float(parameter.default) for name, parameter in model.parameters.items()}
+    planned = tuple(
+        PlannedRun(
+            START + timedelta(minutes=i),
+            float(rng.choice(VOLTAGES)),
+            float(rng.choice(FREQUENCIES)),
+            float(rng.choice(widths)),
+            float(rng.choice(PRELOADS)),
+            substrate,
+        )
+        for i in range(count)
+    )
+    conditions = conditions_of(Plan(planned, timing), bench, values)
+    rows = []
+    for index, (run, seed) in enumerate(zip(planned, rng.integers(0, 2**31, count), strict=True)):
+        settings = settings_of(run, timing, bench)
+        zero = 0.02 * rng.standard_normal()
+
+        def record(with_noise: BenchNoise, offset: float, index: int = index, seed: int = seed) -> Recording:
+            own = np.random.default_rng(seed)
+            return record_run(model, conditions, index, values, settings, timing, offset, with_noise, own)  # noqa: B023
+
+        clean, logged = record(clean_noise(noise), 0.0), record(noise, zero)
+        on, off = _edges(timing, run, settings.speed, np.random.default_rng(seed))
+        truth, found = truth_of(clean, on, off), extract(logged, bench)
+        if "no_zero" in found["flags"]:
+            for name in ("friction_before_n", "switch_off_force_n", "final_force_n"):
+                truth[name] += zero
+        rows += [
+            (settings.run, name, truth[name], found[name], found[f"{name}_sd"])
+            for name in OBSERVABLES
+            if name in truth
+        ]
+    return pd.DataFrame(rows, columns=["run", "observable", "truth", "value", "sd"])
+
+
+def summary(compared: pd.DataFrame) -> dict[str, dict[str, float]]:
+    """By observable: runs, unusable, bias and scatter of (value - truth) / sd, cover of the 68 and 95 % intervals."""
+    out = {}
+    for name, part in compared.groupby("observable", sort=False):
+        usable = part.dropna()
+        pulls = ((usable["value"] - usable["truth"]) / usable["sd"]).to_numpy()
+        out[str(name)] = {
+            "runs": len(usable),
+            "unusable": len(part) - len(usable),
+            "mean_pull": float(pulls.mean()),
+            "sd_pull": float(pulls.std()),
+            "cover_68": float(np.mean(np.abs(pulls) < 0.99446)),
+            "cover_95": float(np.mean(np.abs(pulls) < 1.95996)),
+            "median_sd": float(usable["sd"].median()),
+            "bias": float((usable["value"] - usable["truth"]).mean()),
+        }
+    return out
+
+
+def _edges(
+    timing: RecordTiming, run: PlannedRun, speed: float, own: np.random.Generator
+) -> tuple[float, float]:
+    """When the simulated voltage really came and went [s]: the same draws as in ``record_run``."""
+    clock(timing.before + timing.travel / speed + timing.after, timing.sample_interval, own)
+    on = timing.before + own.uniform(0.0, timing.sample_interval)
+    return on, on + timing.travel / speed + half_wave(run.frequency)
