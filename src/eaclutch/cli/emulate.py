@@ -28,6 +28,7 @@ from eaclutch.rig.logs import read_log
     required=True,
     help="Its campaign.yaml describes the bench.",
 )
+@click.option("--synthetic", is_flag=True, help="Send runs without physics: the link alone, at once.")
 @click.option("--replay", is_flag=True, help="Send the campaign's own logs instead of simulated runs.")
 @click.option(
     "--plan", "plan_file", type=click.Path(path_type=Path), help="Timing and speed as in this plan."
