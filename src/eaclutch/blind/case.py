@@ -14,6 +14,7 @@ from eaclutch.blind.plan import Entry, generator
 from eaclutch.blind.readout import Disturbance, draw_disturbances
 from eaclutch.blind.strangers import UNNAMED
 from eaclutch.blind.world import Constants, Runs, draw_constants, real_permittivity
+from eaclutch.records import FloatArray
 
 # Scatter of the rig, relative: from run to run and from session to session (published repeats: capacity about
 # 5 %, release 3-8 %).
@@ -31,6 +32,7 @@ class Case:
     runs: Runs
     motion: Motion
     disturbances: tuple[Disturbance, ...]
+    free_start: FloatArray  # s before the tip meets the substrate; 0 where a run begins in contact
 
 
 def clean_state(design: Design, c: Constants, rng: np.random.Generator) -> Runs:
@@ -98,7 +100,15 @@ def build_case(entry: Entry, *, leave_out: tuple[str, ...] = ()) -> Case:
         runs=runs,
         motion=move(runs, c, stream("slips")),
         disturbances=draw_disturbances(len(design.session_names), stream("disturbances")),
+        free_start=draw_free_starts(design, stream("starts")),
     )
+
+
+def draw_free_starts(design: Design, rng: np.random.Generator) -> FloatArray:
+    """How long each run goes without contact [s]: often in one session, rarely in the others (as published)."""
+    share = np.where(design.session == rng.integers(0, 3), 0.8, 0.08)
+    free = rng.random(len(share)) < share
+    return np.where(free, rng.uniform(0.05, 0.3, len(share)), 0.0)
 
 
 def campaign_yaml(case: Case) -> dict[str, Any]:

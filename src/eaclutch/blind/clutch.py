@@ -56,14 +56,20 @@ def move(runs: Runs, c: Constants, rng: np.random.Generator) -> Motion:
     )
 
 
-def force_of(motion: Motion, runs: Runs, i: int, time: FloatArray, on: float) -> FloatArray:
-    """True force on the load cell of run ``i`` [N] at ``time`` since the stage started (samples,)."""
+def force_of(
+    motion: Motion, runs: Runs, i: int, time: FloatArray, on: float, free: float = 0.0
+) -> FloatArray:
+    """True force on the load cell of run ``i`` [N] at ``time`` since the stage started (samples,).
+
+    ``free``: for how long the tip has not met the substrate yet [s]; 0: the run begins in contact.
+    """
     off = on + float(runs.drive_time[i])
-    wind = motion.static_before[i] / motion.start_rate[i]
+    wind = free + motion.static_before[i] / motion.start_rate[i]
+    begin = 0.0 if free > 0 else 0.9 * motion.before[i]
     release = motion.release[:, i]
     knots = np.concatenate(
         [
-            [0.0, wind, wind + 1e-3],
+            [0.0, free, wind, wind + 1e-3],
             on + motion.ramp_times[i],
             [off],
             off + SWING_STEP * np.arange(1, len(release)),
@@ -71,7 +77,7 @@ def force_of(motion: Motion, runs: Runs, i: int, time: FloatArray, on: float) ->
     )
     values = np.concatenate(
         [
-            [0.0, motion.static_before[i], motion.before[i]],
+            [begin, begin, motion.static_before[i], motion.before[i]],
             motion.ramp_forces[i],
             [motion.ramp_forces[i][-1]],
             release[1:],

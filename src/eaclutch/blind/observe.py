@@ -14,6 +14,7 @@ from eaclutch.blind.readout import SAMPLE_STEP, readout
 from eaclutch.records import FloatArray
 
 GRAVITY = 9.80665
+LEAST_FREE = 0.13  # s without contact from which the zero can be read off a run
 
 
 def runs_table(case: Case) -> pd.DataFrame:
@@ -42,7 +43,7 @@ def runs_table(case: Case) -> pd.DataFrame:
             row[name], row[f"{name}_sd"] = values[name]
         row |= {
             "usable": True,
-            "flags": "",
+            "flags": "" if zero_is_known(case, i) else "no_zero",
             "reasons": ";".join(f"{name}:unreadable" for name in OBSERVABLES if np.isnan(values[name][0])),
             "drive_duration_s": float(case.runs.drive_time[i]),
             "dwell_s": float(case.runs.dwell[i]),
@@ -64,7 +65,21 @@ def _read(case: Case, i: int, rng: np.random.Generator) -> dict[str, tuple[float
     after = float(time[np.searchsorted(time, off)])
     edge = after - SAMPLE_STEP / 2
     zero_error = rng.normal(0, ZERO_SD)
-    return read_run(time, logged, first, edge, float(runs.dwell[i]), disturbance.zero, zero_error)
+    known = zero_is_known(case, i)
+    return read_run(
+        time,
+        logged,
+        first,
+        edge,
+        float(runs.dwell[i]),
+        disturbance.zero + zero_error if known else 0.0,
+        ZERO_SD if known else 0.0,
+    )
+
+
+def zero_is_known(case: Case, i: int) -> bool:
+    """Whether run ``i`` shows the force without contact; else its zero is not taken off (contract)."""
+    return bool(case.free_start[i] > LEAST_FREE)
 
 
 def _preload(before: float, width: float, thickness: float) -> float:

@@ -29,7 +29,7 @@ OBSERVABLES = (
     "final_force_n",
     "baseline_shift_n",
 )
-ZERO_SD = 0.003  # N, how well a session's zero is known
+ZERO_SD = 0.0015  # N, how well a zero is read off a run that shows it
 EDGE_SD = SAMPLE_STEP / np.sqrt(12)  # s, where between two samples the voltage fell
 
 
@@ -40,13 +40,13 @@ def _slope(time: FloatArray, force: FloatArray, sd: float) -> tuple[float, float
 
 
 def read_run(
-    time: FloatArray, force: FloatArray, on: float, off: float, dwell: float, zero: float, zero_error: float
+    time: FloatArray, force: FloatArray, on: float, off: float, dwell: float, zero: float, zero_sd: float
 ) -> dict[str, tuple[float, float]]:
     """Observables of one run: {name: (value, sd)}, NaN where there is nothing to read.
 
-    ``on``, ``off``: as the log shows them (on a sample; off between two); ``zero`` less its error is taken off.
+    ``on``, ``off``: as the log shows them (on a sample; off between two); ``zero`` is taken off.
     """
-    force = force - zero - zero_error
+    force = force - zero
     sd = WHITE_SD * 1.08
 
     def window(a: float, b: float) -> slice:
@@ -55,7 +55,7 @@ def read_run(
     out: dict[str, tuple[float, float]] = dict.fromkeys(OBSERVABLES, (np.nan, np.nan))
     early = window(on - 0.5, on)
     before = float(force[early].mean())
-    before_sd = float(np.hypot(sd / np.sqrt(0.5 / SAMPLE_STEP / 4), ZERO_SD))
+    before_sd = float(np.hypot(sd / np.sqrt(0.5 / SAMPLE_STEP / 4), zero_sd))
     just = float(force[window(on - 0.02, on)].mean())
     just_sd = sd / np.sqrt(0.02 / SAMPLE_STEP / 2)
     out["friction_before_n"] = (before, before_sd)
@@ -70,10 +70,10 @@ def read_run(
     out["shear_capacity_n"] = (top - just, float(np.hypot(top_sd, just_sd)))
     level = float(np.median(force[window(off - 0.003, off)]))
     level_sd = 1.25 * sd / np.sqrt(0.003 / SAMPLE_STEP)
-    out["switch_off_force_n"] = (level, float(np.hypot(level_sd, ZERO_SD)))
+    out["switch_off_force_n"] = (level, float(np.hypot(level_sd, zero_sd)))
     final = float(force[window(off + 0.01, off + 0.11)].mean())
     final_sd = sd / np.sqrt(0.1 / SAMPLE_STEP / 3)
-    out["final_force_n"] = (final, float(np.hypot(final_sd, ZERO_SD)))
+    out["final_force_n"] = (final, float(np.hypot(final_sd, zero_sd)))
     out["baseline_shift_n"] = (final - before, float(np.hypot(final_sd, sd / np.sqrt(1600))))
     swing = top - final
     if swing > 0.03:
