@@ -23,7 +23,6 @@ from eaclutch.records import Bench, FloatArray, InputError, RunConditions
 ENGAGED_FRACTION = 0.005  # of the gap's way: when the published rig can first notice the force rise
 TOLERANCE = 2e-5  # local error of the film's position over its whole displacement
 CHUNK = 32_768  # simulations at a time: rows and results of a chunk stay below 20 MB
-LEAST_FRICTION = 1e-3  # N; a measured friction before below this is taken as this
 
 
 class ClutchModel:
@@ -82,13 +81,15 @@ class ClutchModel:
                     f"observable {name}", "the model cannot predict it", f"choose of {', '.join(PART)}"
                 )
         table, bad = self.rows(conditions, parameters or {}, on_invalid)
-        out, status = self._simulate(table, {PART[name] for name in wanted})
+        out, status = self._simulate(table, {PART[name].replace("ringdown", "release") for name in wanted})
         out[bad], status[bad] = np.nan, Status.invalid
         result = {name: out[..., i] for i, name in enumerate(RESULTS)}
-        values = {name: self._observable(name, result, table, status) for name in wanted}
+        parts = {name: status[..., i] for i, name in enumerate(STATUSES)}
+        still = (parts["release"] == Status.ok) & (table["load_cell_dynamic"] == 0.0)
+        parts["ringdown"] = np.where(still, np.int8(Status.never_slips), parts["release"])
         return Prediction(
-            values=values,
-            status={name: status[..., i] for i, name in enumerate(STATUSES)},
+            values={name: self._observable(name, result, table) for name in wanted},
+            status=parts,
             state={name: result[name] for name in ("preload", "gap_before", "gap_driven")},
         )
 
@@ -98,12 +99,21 @@ class ClutchModel:
         """The solver's rows (draws, runs) and which of them are invalid (those hold the defaults)."""
         runs = len(conditions)
         values, draws = rows.broadcast_parameters(self.parameters, parameters, runs)
-        bad = np.zeros((draws, runs), dtype=bool)
+        # a run whose inputs are missing cannot be simulated, whatever the parameters
+        missing = (
+            np.isnan(conditions.friction_before) | np.isnan(conditions.voltage) | np.isnan(conditions.width)
+        )
+        if missing.any():
+            conditions = replace(conditions, friction_before=np.where(missing, 0.1, conditions.friction_before),
+                                 voltage=np.where(missing, 100.0, conditions.voltage),
+                                 width=np.where(missing, 2e-3, conditions.width))  # fmt: skip
+        bad = np.broadcast_to(missing, (draws, runs)).copy()
         if on_invalid == "error":
             rows.refuse_outside(self.parameters, values)
         else:
-            bad = rows.outside(self.parameters, values, draws, runs)
-            if bad.any():  # the formulas see bounded numbers everywhere
+            outside = rows.outside(self.parameters, values, draws, runs)
+            bad |= outside
+            if outside.any():  # the formulas see bounded numbers everywhere
                 values = {n: np.where(_inside(v, self.parameters[n]), v, self.parameters[n].default)
                           for n, v in values.items()}  # fmt: skip
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
@@ -141,9 +151,7 @@ class ClutchModel:
                            self.tolerance, out[piece], status[piece])  # fmt: skip
         return out.reshape(*table.shape, -1), status.reshape(*table.shape, -1)
 
-    def _observable(
-        self, name: str, result: Mapping[str, FloatArray], table: NDArray[np.void], status: NDArray[np.int8]
-    ) -> FloatArray:
+    def _observable(self, name: str, result: Mapping[str, FloatArray], table: NDArray[np.void]) -> FloatArray:
         before = table["friction_before"]
         alive = np.where(np.isnan(result["capacity"]), np.nan, 1.0)
         if name == "friction_before_n":

@@ -42,8 +42,8 @@ PART = {
     "release_time_10_s": "release",
     "release_time_50_s": "release",
     "release_time_90_s": "release",
-    "ringdown_frequency_hz": "release",
-    "ringdown_damping_ratio": "release",
+    "ringdown_frequency_hz": "ringdown",
+    "ringdown_damping_ratio": "ringdown",
     "final_force_n": "release",
     "baseline_shift_n": "release",
 }

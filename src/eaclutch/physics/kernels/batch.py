@@ -82,7 +82,7 @@ def simulate(p, tables, engage, releasing, fraction, tolerance, segments, work, 
 @compiled_parallel
 def simulate_batch(rows, tables, engage, releasing, fraction, tolerance, out, statuses):
     """``rows`` (n,) of Row -> ``out`` (n, results), ``statuses`` (n, 3)."""
-    blocks = 64
+    blocks = min(16, len(rows))
     for block in prange(blocks):
         kept, scratch = np.empty((SEGMENTS, COLUMNS)), np.empty((4, 6))
         segments, work, light = unmanaged(kept), unmanaged(scratch), bare_tables(tables)

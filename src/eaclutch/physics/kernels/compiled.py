@@ -43,11 +43,12 @@ def cache_folder() -> str:
 
 def _compile(**options: Any) -> Callable[[Callable], Callable]:
     def decorate(function: Callable) -> Callable:
-        before, numba.config.CACHE_DIR = numba.config.CACHE_DIR, cache_folder()
+        settings: Any = numba.config
+        before, settings.CACHE_DIR = settings.CACHE_DIR, cache_folder()
         try:
             return njit(cache=True, error_model="numpy", fastmath=FAST, **options)(function)
         finally:
-            numba.config.CACHE_DIR = before
+            settings.CACHE_DIR = before
 
     return decorate
 
@@ -71,4 +72,4 @@ def _pointer(typing_context, address):  # type: ignore[no-untyped-def]
 def unmanaged(array):
     """The same float64 array without reference counts (they cost more than a table look-up where branches keep the
     compiler from dropping them). The caller keeps ``array`` alive."""
-    return carray(_pointer(array.ctypes.data), array.shape)
+    return carray(_pointer(array.ctypes.data), array.shape)  # type: ignore[call-arg]

@@ -180,8 +180,8 @@ def follow(p, state, segments, t0, span, kinetic, static, spare):
         segment[2], segment[3], segment[4], segment[5] = 0.0, 0.0, 0.0, 0.0
         shift(kinetic, s, spare)
         spare[0] += p.side_friction
-        for i in range(6):
-            segment[7 + i] = spare[i] / stiffness
+        for i in range(10):
+            segment[7 + i] = spare[i] / stiffness if i < 6 else 0.0
         state[X], _ = oscillate(segment, span - s)
         state[COUNT] += 1
     return True

@@ -13,14 +13,22 @@ import math
 from eaclutch.physics.kernels.compiled import compiled
 
 STUCK, BACK, FORWARD, FREE, FOLLOW = 0, 1, 2, 3, 4
-SEGMENTS, COLUMNS = 2048, 13  # t0, length, A, B, beta, omega^2, stiffness, q0..q5
+SEGMENTS, COLUMNS = 2048, 17  # t0, length, A, B, beta, omega^2, stiffness, q0..q9
+SHORT = 0.1  # rad; a shorter segment is a power series: its sinusoid and forced part would cancel to nothing
 STEP_PHASE = 0.7  # rad of the oscillator a segment may last, so that no event is jumped over
 
 
 @compiled
 def oscillate(segment, s):
     """(x, v) at s after the segment's start."""
+    q1, q2, q3, q4, q5 = segment[8], segment[9], segment[10], segment[11], segment[12]
     a, b, beta, omega2 = segment[2], segment[3], segment[4], segment[5]
+    if a == 0.0 and b == 0.0:
+        q6, q7, q8, q9 = segment[13], segment[14], segment[15], segment[16]
+        high = q6 + s * (q7 + s * (q8 + s * q9))
+        x = segment[7] + s * (q1 + s * (q2 + s * (q3 + s * (q4 + s * (q5 + s * high)))))
+        high = 6.0 * q6 + s * (7.0 * q7 + s * (8.0 * q8 + 9.0 * s * q9))
+        return x, q1 + s * (2.0 * q2 + s * (3.0 * q3 + s * (4.0 * q4 + s * (5.0 * q5 + s * high))))
     if omega2 > 0.0:
         omega = math.sqrt(omega2)
         c, d = math.cos(omega * s), math.sin(omega * s) / omega
@@ -32,7 +40,6 @@ def oscillate(segment, s):
     decay = math.exp(-beta * s)
     x = decay * (a * c + b * d)
     v = decay * (b * c - omega2 * a * d) - beta * x
-    q1, q2, q3, q4, q5 = segment[8], segment[9], segment[10], segment[11], segment[12]
     x += segment[7] + s * (q1 + s * (q2 + s * (q3 + s * (q4 + s * q5))))
     v += q1 + s * (2.0 * q2 + s * (3.0 * q3 + s * (4.0 * q4 + 5.0 * s * q5)))
     return x, v
@@ -43,6 +50,14 @@ def set_segment(segment, t0, length, x, v, mass, damping, stiffness, f, sign):
     """Fill ``segment`` with the solution of m x'' + b x' + k x = sign (f0 + f1 s + .. + f5 s^5) from (x, v)."""
     beta = 0.5 * damping / mass
     w = stiffness / mass
+    segment[0], segment[1], segment[4], segment[5], segment[6] = t0, length, beta, w - beta * beta, stiffness
+    if max(w * length * length, beta * beta * length * length) < SHORT * SHORT:
+        segment[2], segment[3], segment[7], segment[8] = 0.0, 0.0, x, v
+        for k in range(8):
+            force = sign * f[k] / mass if k < 6 else 0.0
+            rate = force - 2.0 * beta * (k + 1) * segment[8 + k] - w * segment[7 + k]
+            segment[9 + k] = rate / ((k + 1) * (k + 2))
+        return
     scale = sign / stiffness
     lag, lead = 2.0 * beta / w, 1.0 / w
     q5 = scale * f[5]
@@ -51,7 +66,6 @@ def set_segment(segment, t0, length, x, v, mass, damping, stiffness, f, sign):
     q2 = scale * f[2] - 3.0 * lag * q3 - 12.0 * lead * q4
     q1 = scale * f[1] - 2.0 * lag * q2 - 6.0 * lead * q3
     q0 = scale * f[0] - lag * q1 - 2.0 * lead * q2
-    segment[0], segment[1], segment[4], segment[5], segment[6] = t0, length, beta, w - beta * beta, stiffness
     segment[7], segment[8], segment[9], segment[10], segment[11], segment[12] = q0, q1, q2, q3, q4, q5
     segment[2] = x - q0
     segment[3] = v - q1 + beta * (x - q0)
