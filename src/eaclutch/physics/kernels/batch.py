@@ -21,6 +21,7 @@ RESULTS = (
     "ramp_late", "engagement", "release_10", "release_50", "release_90", "final",
 )  # fmt: skip
 STATUSES = ("capacity", "engagement", "release")
+WORTH_SHARING = 20_000.0  # us of work
 
 
 @compiled
@@ -79,17 +80,30 @@ def simulate(p, tables, engage, releasing, fraction, tolerance, segments, work, 
     return n
 
 
+@compiled
+def simulate_share(rows, first, stride, tables, engage, releasing, fraction, tolerance, out, statuses):
+    """Every ``stride``-th simulation from ``first`` on."""
+    kept, scratch = np.empty((SEGMENTS, COLUMNS)), np.empty((4, 6))
+    segments, work, light = unmanaged(kept), unmanaged(scratch), bare_tables(tables)
+    for i in range(first, len(rows), stride):
+        simulate(rows[i], light, engage, releasing, fraction, tolerance, segments, work, out[i], statuses[i])
+
+
 @compiled_parallel
+def simulate_parallel(rows, tables, engage, releasing, fraction, tolerance, out, statuses):
+    """All simulations, spread over the cores in interleaved shares."""
+    shares = 32
+    for share in prange(shares):
+        simulate_share(rows, share, shares, tables, engage, releasing, fraction, tolerance, out, statuses)
+
+
 def simulate_batch(rows, tables, engage, releasing, fraction, tolerance, out, statuses):
-    """``rows`` (n,) of Row -> ``out`` (n, results), ``statuses`` (n, 3)."""
-    blocks = min(16, len(rows))
-    for block in prange(blocks):
-        kept, scratch = np.empty((SEGMENTS, COLUMNS)), np.empty((4, 6))
-        segments, work, light = unmanaged(kept), unmanaged(scratch), bare_tables(tables)
-        for i in range(block, len(rows), blocks):
-            simulate(
-                rows[i], light, engage, releasing, fraction, tolerance, segments, work, out[i], statuses[i]
-            )
+    """``rows`` (n,) of Row -> ``out`` (n, results), ``statuses`` (n, 3). Small batches stay on one core: handing
+    them out costs more than they do, the more so where other processes keep the cores busy."""
+    if len(rows) * (1.0 + 5.0 * engage + 20.0 * releasing) < WORTH_SHARING:
+        simulate_share(rows, 0, 1, tables, engage, releasing, fraction, tolerance, out, statuses)
+    else:
+        simulate_parallel(rows, tables, engage, releasing, fraction, tolerance, out, statuses)
 
 
 @compiled
