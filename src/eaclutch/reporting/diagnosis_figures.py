@@ -71,49 +71,48 @@ def closure_figure(diagnosis: Mapping[str, Any]) -> Picture | None:
         )
 
 
-def by_observable_figure(diagnosis: Mapping[str, Any]) -> Picture | None:
-    """Gap of each observable before and after, each in units of its noise floor."""
-    entries = (diagnosis.get("gap") or {}).get("by_observable") or {}
-    rows = [
-        (
-            name,
-            entry["before"] / entry["noise_floor"],
-            _ratio(entry.get("after"), entry["noise_floor"]),
-            entry,
-        )
-        for name, entry in entries.items()
-        if entry.get("noise_floor") and entry.get("before") is not None
-    ]
+def by_observable_figure(results: Results) -> Picture | None:
+    """Gap of each observable before and after, as a part of its typical measured size."""
+    entries = (results.diagnosis.get("gap") or {}).get("by_observable") or {}
+    rows = []
+    for name, entry in entries.items():
+        size = float(results.runs[name].abs().median()) if name in results.runs else 0.0
+        if size > 0 and entry.get("before") is not None:
+            rows.append((name, size, entry))
     if not rows:
         return None
-    rows.sort(key=lambda row: row[1])
-    with canvas(1.3 + 0.3 * len(rows)) as (figure, axes):
-        for y, (_, before, after, entry) in enumerate(rows):
+    rows.sort(key=lambda row: row[2]["before"] / row[1])
+    with canvas(1.4 + 0.3 * len(rows)) as (figure, axes):
+        for y, (_, size, entry) in enumerate(rows):
+            share = 100 / size
             significant = (entry.get("p_value") if entry.get("p_value") is not None else 1) < 0.05
-            axes.plot(before, y, "o", color=VERMILION if significant else GREY, ms=7)
-            if after is not None:
-                axes.plot([before, after], [y, y], color=GREY, lw=1.2, zorder=1)
-                axes.plot(after, y, "s", color=GREEN, ms=6, mfc="white", mew=1.6)
-        axes.axvline(1, color=INK, ls="--", lw=1.2)
+            if entry.get("noise_floor") is not None:
+                axes.plot(entry["noise_floor"] * share, y, "|", color=INK, ms=13, mew=1.6)
+            if entry.get("after") is not None:
+                axes.plot(
+                    [entry["before"] * share, entry["after"] * share], [y, y], color=GREY, lw=1.2, zorder=1
+                )
+                axes.plot(entry["after"] * share, y, "s", color=GREEN, ms=7, mfc="white", mew=1.6)
+            axes.plot(entry["before"] * share, y, "o", color=VERMILION if significant else GREY, ms=5.5)
         axes.set_yticks(range(len(rows)), [observable_words(name) for name, *_ in rows])
-        axes.set(
-            xlabel="gap / noise floor of that observable (1)", xlim=(0, None), ylim=(-0.6, len(rows) - 0.4)
-        )
+        axes.set(xlabel="gap (% of the typical measured value)", xlim=(0, None), ylim=(-0.6, len(rows) - 0.4))
         axes.grid(axis="y", visible=False)
         handles = [
-            axes.plot([], [], "o", color=VERMILION, label="as it is, significant")[0],
-            axes.plot([], [], "o", color=GREY, label="as it is, not significant")[0],
+            axes.plot([], [], "o", color=VERMILION, label="as it is, p < 0.05")[0],
+            axes.plot([], [], "o", color=GREY, label="as it is, p ≥ 0.05")[0],
             axes.plot([], [], "s", color=GREEN, mfc="white", mew=1.6, label="with the verdict")[0],
+            axes.plot([], [], "|", color=INK, ms=13, mew=1.6, ls="", label="noise floor")[0],
         ]
         figure.legend(handles=handles, loc="outside upper left", ncols=2, fontsize=8.5)
-        worst = rows[-1]
-        scale = scale_for([worst[3]["before"]], worst[3].get("unit", "1"))
+        name, _, worst = rows[-1]
+        info = results.observables.get(name)
+        scale = scale_for([worst["before"]], info.unit if info else "1")
         return picture(
             figure,
             "by-observable",
-            "Dots of the gap of each observable, before and after the verdict, in units of its noise floor.",
-            f"Largest: {observable_words(worst[0])}, {number(float(scale(worst[3]['before'])))} {scale.unit} "
-            f"against a noise floor of {number(float(scale(worst[3]['noise_floor'])))} {scale.unit}.",
+            "Dots of the gap of each observable, before and after the verdict, with its noise floor.",
+            f"Largest for its size: {observable_words(name)}, {number(float(scale(worst['before'])))} {scale.unit}"
+            f" against a noise floor of {number(float(scale(worst.get('noise_floor') or 0)))} {scale.unit}.",
         )
 
 
@@ -229,10 +228,6 @@ def _wrapped(text: str, width: int = 20) -> str:
             lines.append("")
         lines[-1] = f"{lines[-1]} {word}".strip()
     return "\n".join(lines)
-
-
-def _ratio(value: float | None, floor: float) -> float | None:
-    return None if value is None else value / floor
 
 
 def _first(*values: float | None) -> float | None:

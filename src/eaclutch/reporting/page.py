@@ -71,7 +71,7 @@ def render(results: Results, config: Mapping[str, Any]) -> str:
         absorbed=sentences.absorption_sentences(diagnosis),
         level=_level(diagnosis),
         gap_pictures=_some(
-            closure_figure(diagnosis), hypotheses_figure(diagnosis), by_observable_figure(diagnosis)
+            closure_figure(diagnosis), hypotheses_figure(diagnosis), by_observable_figure(results)
         ),
         where_pictures=where_figures(results),
         predictions=_some(*prediction_figures(results), coverage_figure(results)),

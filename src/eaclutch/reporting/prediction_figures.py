@@ -21,7 +21,7 @@ def _prediction(results: Results, name: str, index: int) -> Picture | None:
     table = rows[(rows["status"] == "ok") & rows["measured"].notna() & rows["median"].notna()]
     if table.empty:
         return None
-    table = table.merge(results.runs[["run", "session"]], on="run", how="left")
+    table = table.merge(results.runs[["run", "session"]], on="run")
     scale = scale_for(table["measured"], results.observables[name].unit)
     measured, median = scale(table["measured"]), scale(table["median"])
     low, high = scale(table["q05"]), scale(table["q95"])

@@ -1,0 +1,45 @@
+"""Numbers and units as people read them."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from eaclutch.reporting.words import measured, number, observable_words, percent, scale_for
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0, "0"),
+        (1.2345, "1.23"),
+        (-0.01234, "−0.0123"),
+        (123456.0, "1.23·10⁵"),
+        (2.7e-6, "2.7·10⁻⁶"),
+        (None, "–"),
+        (math.nan, "–"),
+    ],
+)
+def test_number(value: float | None, text: str) -> None:
+    assert number(value) == text
+
+
+@pytest.mark.parametrize(
+    ("share", "text"),
+    [(0.0, "0 %"), (0.004, "< 1 %"), (0.996, "> 99 %"), (1.0, "100 %"), (0.885, "88 %"), (None, "–")],
+)
+def test_percent_is_never_certain_of_what_is_not(share: float | None, text: str) -> None:
+    assert percent(share).replace("\u00a0", " ") == text
+
+
+def test_units_take_a_prefix_that_suits_the_values() -> None:
+    scale = scale_for([1.1e-3, 0.9e-3, 1.3e-3], "s")
+    assert scale.unit == "ms" and float(scale(1e-3)) == pytest.approx(1)
+    assert scale_for([0.3], "1").unit == "" and scale_for([18018.0], "N/m").unit == "N/m"
+
+
+def test_names() -> None:
+    assert observable_words("release_time_90_s") == "release time 90 %"
+    assert observable_words("ramp_rate_early_n_s") == "ramp rate early"
+    assert measured(1.0, 0.9, 1.1, "N") == "1.00 (0.900 to 1.10) N"
