@@ -20,7 +20,13 @@ from eaclutch.simulation.faults import damage
 from eaclutch.simulation.noise import BenchNoise
 from eaclutch.simulation.plan import Plan, PlannedRun, RecordTiming
 from eaclutch.simulation.run import record_run
-from eaclutch.simulation.side_benches import write_capacitance, write_load_cell, write_permittivity
+from eaclutch.simulation.side_benches import (
+    capacitance_readings,
+    spectra,
+    write_capacitance,
+    write_load_cell,
+    write_permittivity,
+)
 
 
 @dataclass(frozen=True)
@@ -131,8 +137,8 @@ def simulate_campaign(
         recording = record_run(model, conditions, index, values, settings, plan.timing, zero, noise, own)
         recording, faults[settings.run] = damage(recording, plan.faults, own)
         write_log(recording, folder / "tensile" / f"{settings.run}{plan.extension}")
-    write_capacitance(folder, model, values, plan.side, next(streams))
-    write_permittivity(folder, model, values, plan.side, next(streams))
+    write_capacitance(folder, capacitance_readings(model, values, plan.side, next(streams)))
+    write_permittivity(folder, spectra(model, values, plan.side, next(streams)))
     first = min(run.stamp for run in plan.runs)
     write_load_cell(folder, values, plan.side, first, noise, next(streams))
     write_bench(folder, bench)

@@ -33,8 +33,8 @@ class RecordTiming:
     before: float = 2.0
     travel: float = 1.5e-3
     after: float = 2.0
-    contact: tuple[float, float] = (0.03, 0.4)
     sample_interval: float = 78.125e-6
+    contact: tuple[float, float] = (0.03, 0.4)
 
 
 @dataclass(frozen=True)

@@ -45,7 +45,10 @@ def from_facts(facts: Mapping[str, Any], rng: np.random.Generator) -> Recipe:
     plan = Plan(
         runs=sweep(facts["conditions"], days, facts["repeats"], rng),
         timing=RecordTiming(
-            record["before_s"], record["travel_mm"] * 1e-3, record["after_s"], tuple(record["contact_s"])
+            record["before_s"],
+            record["travel_mm"] * 1e-3,
+            record["after_s"],
+            contact=tuple(record["contact_s"]),
         ),
         side=SideBenches(
             capacitance_widths=tuple(width * 1e-3 for width in side["capacitance_widths_mm"]),

@@ -15,12 +15,17 @@ from eaclutch.simulation.plan import RecordTiming
 SLIPS = 400  # static capacities drawn for a run; the last is kept for what comes later
 
 
+def scatter_factors(noise: BenchNoise, rng: np.random.Generator, runs: int) -> tuple[FloatArray, FloatArray]:
+    """Factors of static and of kinetic friction from run to run, (runs,) each."""
+    static = np.exp(noise.capacity_scatter_run * rng.standard_normal(runs))
+    return static, np.exp(noise.kinetic_scatter_run * rng.standard_normal(runs))
+
+
 def scattered(
     parameters: Mapping[str, float], noise: BenchNoise, rng: np.random.Generator
 ) -> dict[str, float]:
     """Parameters of one run: the campaign's, with friction that scatters from run to run."""
-    static = np.exp(noise.capacity_scatter_run * rng.standard_normal())
-    kinetic = np.exp(noise.kinetic_scatter_run * rng.standard_normal())
+    static, kinetic = (float(factor[0]) for factor in scatter_factors(noise, rng, 1))
     factors = {"film_static": static, "base_static": static, "film_kinetic": kinetic, "base_kinetic": kinetic}
     return {name: value * factors.get(name, 1.0) for name, value in parameters.items()}
 

@@ -12,6 +12,7 @@ import pandas as pd
 
 from eaclutch.files import atomic, write_csv
 from eaclutch.physics.model import ClutchModel
+from eaclutch.records import CapacitanceReadings, Spectrum
 from eaclutch.simulation.drive_signal import clock
 from eaclutch.simulation.noise import BenchNoise, counts
 from eaclutch.simulation.plan import SideBenches
@@ -20,21 +21,18 @@ TRIAL_SCATTER = 0.06  # sd of the log of the contact stiffness from trial to tri
 READING_NOISE = 0.15e-12  # F
 SOURCE_SCATTER = 0.03  # sd of the log of a source's permittivity
 POINT_SCATTER = 0.01  # sd of the log of a point of a spectrum
+READINGS_FILE = "readings.csv"
 BURSTS = 10
 BURST_FORCE = 0.07  # N
 BURST_PAUSE = 0.5  # s
 STAGE_SPEEDS = (6.0, 8.0, 10.0)  # mm/s
 
 
-def write_capacitance(
-    folder: Path,
-    model: ClutchModel,
-    parameters: Mapping[str, float],
-    side: SideBenches,
-    rng: np.random.Generator,
-) -> None:
-    """``capacitance/readings.csv``: force_n, capacitance_pf, width_mm, trial."""
-    rows = []
+def capacitance_readings(
+    model: ClutchModel, parameters: Mapping[str, float], side: SideBenches, rng: np.random.Generator
+) -> CapacitanceReadings:
+    """Readings of the capacitance bench as its file would give them; the contact stiffness scatters by trial."""
+    columns: list[tuple[float, float, float, str]] = []
     for width in side.capacitance_widths:
         for trial in range(1, side.capacitance_trials + 1):
             scatter = np.exp(TRIAL_SCATTER * rng.standard_normal())
@@ -42,29 +40,53 @@ def write_capacitance(
             force = np.sort(rng.uniform(*side.capacitance_force, side.capacitance_readings))
             farad = model.capacitance(force, np.full(len(force), width), own)[0]
             farad = farad + READING_NOISE * rng.standard_normal(len(force))
-            rows += [
-                (round(f, 4), round(c * 1e12, 3), round(width * 1e3, 3), f"w{width * 1e3:g}_{trial}")
+            columns += [
+                (round(f, 4), round(c * 1e12, 3) * 1e-12, width, f"w{width * 1e3:g}_{trial}")
                 for f, c in zip(force.tolist(), farad.tolist(), strict=True)
             ]
-    if rows:
-        table = pd.DataFrame(rows, columns=["force_n", "capacitance_pf", "width_mm", "trial"])
-        write_csv(folder / "capacitance" / "readings.csv", table)
+    return CapacitanceReadings(
+        force=np.array([row[0] for row in columns]),
+        capacitance=np.array([row[1] for row in columns]),
+        width=np.array([row[2] for row in columns]),
+        trial=tuple(f"{READINGS_FILE}/{row[3]}" for row in columns),
+        source=(READINGS_FILE,) * len(columns),
+    )
 
 
-def write_permittivity(
-    folder: Path,
-    model: ClutchModel,
-    parameters: Mapping[str, float],
-    side: SideBenches,
-    rng: np.random.Generator,
-) -> None:
-    """``permittivity/source_<i>.csv``: frequency_hz, relative_permittivity."""
+def write_capacitance(folder: Path, readings: CapacitanceReadings) -> None:
+    """``capacitance/readings.csv``: force_n, capacitance_pf, width_mm, trial."""
+    if len(readings.force):
+        table = pd.DataFrame(
+            {
+                "force_n": readings.force,
+                "capacitance_pf": np.round(readings.capacitance * 1e12, 3),
+                "width_mm": np.round(readings.width * 1e3, 3),
+                "trial": [label.split("/")[1] for label in readings.trial],
+            }
+        )
+        write_csv(folder / "capacitance" / READINGS_FILE, table)
+
+
+def spectra(
+    model: ClutchModel, parameters: Mapping[str, float], side: SideBenches, rng: np.random.Generator
+) -> tuple[Spectrum, ...]:
+    """Spectra of the film from several sources, each with a scale error of its own."""
+    found = []
     for source in range(1, side.permittivity_sources + 1):
         frequency = np.geomspace(*side.permittivity_frequency, side.permittivity_points)
         kappa = model.permittivity(frequency, parameters)[0]
         scatter = SOURCE_SCATTER * rng.standard_normal() + POINT_SCATTER * rng.standard_normal(len(frequency))
-        table = pd.DataFrame({"frequency_hz": frequency, "relative_permittivity": kappa * np.exp(scatter)})
-        write_csv(folder / "permittivity" / f"source_{source}.csv", table)
+        found.append(Spectrum(f"source_{source}", frequency, kappa * np.exp(scatter)))
+    return tuple(found)
+
+
+def write_permittivity(folder: Path, measured: tuple[Spectrum, ...]) -> None:
+    """``permittivity/<source>.csv``: frequency_hz, relative_permittivity."""
+    for spectrum in measured:
+        table = pd.DataFrame(
+            {"frequency_hz": spectrum.frequency, "relative_permittivity": spectrum.permittivity}
+        )
+        write_csv(folder / "permittivity" / f"{spectrum.source}.csv", table)
 
 
 def write_load_cell(
