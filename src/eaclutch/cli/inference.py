@@ -11,7 +11,8 @@ import click
 import numpy as np
 import pandas as pd
 
-from eaclutch.files import write_json
+from eaclutch.config import load_bench
+from eaclutch.files import write_csv, write_json
 from eaclutch.inference import storage
 from eaclutch.inference.parameters import with_priors
 from eaclutch.inference.posterior import (
@@ -22,12 +23,15 @@ from eaclutch.inference.posterior import (
     stage_problem,
     with_code,
 )
+from eaclutch.inference.predict_campaign import predict_campaign
+from eaclutch.inference.prediction import GIVEN, Measured
 from eaclutch.inference.problem import STAGES
 from eaclutch.inference.stages.contact import ContactSettings
 from eaclutch.inference.stages.force import CapacityData
 from eaclutch.inference.summary import summarise
 from eaclutch.physics.effects import BASE
 from eaclutch.physics.model import ClutchModel
+from eaclutch.physics.prediction import OBSERVABLES
 from eaclutch.provenance import code_hash
 from eaclutch.records import Bench
 from eaclutch.rig.campaign import open_campaign
@@ -141,4 +145,45 @@ def posterior_summary(files: tuple[Path, ...], output: Path) -> None:
     write_json(output, summarise(files))
 
 
-COMMANDS = [posterior, posterior_summary]
+@click.command("predict")
+@_common
+@click.option("--output", type=_FILE, required=True, help="Predictions of every run to write (csv).")
+@click.option("--coverage", type=_FILE, required=True, help="Calibration curves to write (json).")
+def predict(campaign: Path, results: Path, settings: str, seed: int, output: Path, coverage: Path) -> None:
+    """Predict every run from joint posterior draws, in the sample and left out by condition and by session."""
+    chosen = json.loads(settings)
+    bench = load_bench(campaign)
+    runs = _runs(results)
+    model = chosen.get("model", {})
+    arguments, form = model_arguments(model), model.get("force_multiplier_form", "linear")
+    files = [path for stage in STAGES if (path := results / "posterior" / f"{stage}.nc").is_file()]
+    clutch = ClutchModel(
+        bench, **arguments, force_multiplier_form="constant" if form == "per_voltage" else form
+    )
+    inputs = StageInputs(
+        bench, with_priors(clutch.parameters, chosen.get("priors", {})), capacity=capacity_data(runs, bench),
+        multiplier_form=form, model=arguments, earlier=files,
+    )  # fmt: skip
+    draws = chosen.get("predict", {}).get("draws", 200)
+    parts = chosen.get("diagnosis.folds", 5)
+    table, curves = predict_campaign(
+        clutch, inputs, measured_runs(runs, bench), seed=seed, draws=draws, parts=parts
+    )
+    write_csv(output, table)
+    write_json(coverage, curves)
+
+
+def measured_runs(runs: pd.DataFrame, bench: Bench) -> Measured:
+    """Usable runs with voltage and their observables."""
+    conditions = conditions_from_runs(runs[runs["voltage_v"].gt(0)], bench)
+    picked = runs.set_index("run").loc[list(conditions.run)]
+    names = [name for name in OBSERVABLES if name in picked and name not in GIVEN]
+    return Measured(
+        conditions,
+        {name: picked[name].to_numpy(float) for name in names},
+        {name: picked[f"{name}_sd"].to_numpy(float) for name in names},
+        picked["preload_n"].to_numpy(float),
+    )
+
+
+COMMANDS = [posterior, posterior_summary, predict]

@@ -126,6 +126,12 @@ def _force(inputs: StageInputs, rng: np.random.Generator) -> Problem:
     form = inputs.multiplier_form
     if inputs.capacity is None or not len(inputs.capacity.capacity):
         return force_problem(None, None, form, inputs.parameters)  # type: ignore[arg-type]
+    return force_problem(inputs.capacity, force_response(inputs, rng), form, inputs.parameters)  # type: ignore[arg-type]
+
+
+def force_response(inputs: StageInputs, rng: np.random.Generator) -> Response:
+    """The capacities of ``inputs`` tabulated over the multiplier for joint draws of the earlier stages."""
+    assert inputs.capacity is not None
     model = ClutchModel(inputs.bench, **dict(inputs.model or {}), force_multiplier_form="constant")
     joint = joint_draws.load_draws(inputs.earlier, RESPONSE_DRAWS) if inputs.earlier else {}
     known = {name: inputs.parameters.get(name, p) for name, p in model.parameters.items()}
@@ -134,8 +140,7 @@ def _force(inputs: StageInputs, rng: np.random.Generator) -> Problem:
         name: v for name, v in nuisances.items() if name in known and not name.startswith("force_multiplier")
     }
     units = {name: known[name].unit for name in nuisances}
-    response = Response.tabulate(capacity_function(model, inputs.capacity.conditions), nuisances, units)
-    return force_problem(inputs.capacity, response, form, inputs.parameters)  # type: ignore[arg-type]
+    return Response.tabulate(capacity_function(model, inputs.capacity.conditions), nuisances, units)
 
 
 def capacity_function(model: ClutchModel, conditions: RunConditions) -> Any:

@@ -8,7 +8,7 @@ uncorrelated with unit variance over the draws and are treated as Gaussian.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numba
 import numpy as np
@@ -93,6 +93,15 @@ class Response:
             self.log_share,
             LOG_GRID[0],
             LOG_GRID[-1],
+        )
+
+    def select(self, rows: np.ndarray) -> Response:
+        """The response of some runs."""
+        return replace(
+            self,
+            mean=self.mean[rows],
+            factors=self.factors[rows],
+            log_share=np.ascontiguousarray(self.log_share[:, rows]),
         )
 
     def nuisances(self, which: np.ndarray, moved: FloatArray) -> dict[str, FloatArray]:

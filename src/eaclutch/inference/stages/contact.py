@@ -32,8 +32,12 @@ CORRELATION = 1.0  # length of the smooth part, in e-folds of the force
 
 @dataclass(frozen=True)
 class ContactSettings:
-    """force_sd [N]: of a force reading, those below twice it are left out; force_max [N] or None; widths [m]: those to
-    use, empty for all; stray_sd [F]: prior of the stray capacitance around the fixture's, 0 = known."""
+    """What the fit uses.
+
+    force_sd [N]: standard uncertainty of a force reading, those below twice it are left out; force_max [N] or None;
+    widths [m]: those to use, empty for all (a width that no substrate of the bench has is left out in any case);
+    stray_sd [F]: prior of the stray capacitance around the fixture's, 0 = known.
+    """
 
     force_sd: float = 0.01
     force_max: float | None = None
@@ -80,7 +84,9 @@ class InverseContact:
         return np.interp(log_g, self.log_g, self.x), np.interp(log_g, self.log_g, self.slope)
 
 
-def select(readings: CapacitanceReadings, settings: ContactSettings) -> tuple[np.ndarray, list[str]]:
+def select(
+    readings: CapacitanceReadings, bench: Bench, settings: ContactSettings
+) -> tuple[np.ndarray, list[str]]:
     """Mask (readings,) of what the fit uses, and a note for all that is left out."""
     force = readings.force
     keep = np.isfinite(force) & np.isfinite(readings.capacitance) & (readings.capacitance > 0)
@@ -96,11 +102,18 @@ def select(readings: CapacitanceReadings, settings: ContactSettings) -> tuple[np
         if above.any():
             notes.append(f"{above.sum()} readings above {settings.force_max:g} N left out by config")
         keep &= ~above
-    if settings.widths:
-        other = keep & ~np.any(np.isclose(readings.width[:, None], settings.widths, rtol=1e-3), axis=1)
-        if other.any():
-            notes.append(f"{other.sum()} readings at other widths left out by config")
-        keep &= ~other
+    listed = sorted({w for substrate in bench.substrates.values() for w in substrate.thickness})
+    for chosen, reason in (
+        (settings.widths, "not chosen by config"),
+        (listed, "no substrate of this bench has it"),
+    ):
+        if len(chosen):
+            other = keep & ~np.any(np.isclose(readings.width[:, None], chosen, rtol=1e-3), axis=1)
+            for width in np.unique(readings.width[other]):
+                notes.append(
+                    f"{np.sum(readings.width[other] == width)} readings at {width * 1e3:g} mm left out: {reason}"
+                )
+            keep &= ~other
     return keep, notes
 
 
@@ -118,7 +131,7 @@ def contact_problem(
     """
     named = [parameters["contact_stiffness"], parameters["roughness_sd"]]
     stray0 = bench.fixture.stray_capacitance
-    keep, notes = (np.zeros(0, bool), []) if readings is None else select(readings, settings)
+    keep, notes = (np.zeros(0, bool), []) if readings is None else select(readings, bench, settings)
     units = {"stray_capacitance": "F", "film_thickness": "m", "film_offset": "m"}
 
     def film_draws(offset: FloatArray, rng: np.random.Generator) -> dict[str, FloatArray]:
