@@ -6,9 +6,25 @@ import numpy as np
 
 from eaclutch.blind.contact import contact_shape
 from eaclutch.blind.world import VACUUM_PERMITTIVITY, Constants, real_permittivity
-from eaclutch.records import BurstFeatures, CapacitanceReadings, Spectrum
+from eaclutch.records import BurstFeatures, CapacitanceReadings, FloatArray, Spectrum
 
 TRIALS = (("2", 2e-3), ("2", 2e-3), ("2.5", 2.5e-3), ("2.5", 2.5e-3), ("3", 3e-3), ("3", 3e-3))
+
+
+def pressure_of(gap: FloatArray, c: Constants) -> FloatArray:
+    """Contact pressure [N/m2] at mean gap [m], same shape."""
+    return c.contact_stiffness * c.roughness_sd**1.5 * contact_shape(gap / c.roughness_sd, c.law, c.law_share)
+
+
+def capacitance_curve(c: Constants, force: FloatArray, width: float) -> FloatArray:
+    """Capacitance of the fixture without noise [F] at normal forces [N] (readings,), stray one included."""
+    kappa = real_permittivity(
+        np.array(c.meter_frequency), c.kappa_static, c.kappa_infinity, c.relaxation_time, c.cole_cole_exponent
+    )
+    gap = np.linspace(0.3, 4.5, 900) * c.roughness_sd
+    here = np.interp(force, (pressure_of(gap, c) * c.fixture_length * width)[::-1], gap[::-1])
+    plate = c.electrodes * VACUUM_PERMITTIVITY * kappa * c.electrode_length * width
+    return plate / (4 * (c.film_thickness + kappa * here)) + c.stray_capacitance
 
 
 def draw_capacitance(c: Constants, rng: np.random.Generator) -> CapacitanceReadings:
@@ -39,8 +55,8 @@ def draw_capacitance(c: Constants, rng: np.random.Generator) -> CapacitanceReadi
         reading = plate * (1 + rng.normal(0, 0.003, len(force))) + c.stray_capacitance
         columns.append((np.round(force, 4), np.round(reading * 1e12, 2) * 1e-12, np.full(len(force), width)))
         names += [f"w={label} ({number})"] * len(force)
-    force, reading, width = (np.concatenate(part) for part in zip(*columns, strict=True))
-    return CapacitanceReadings(force, reading, width, tuple(names), ("capacitance.csv",) * len(force))
+    loads, values, widths = (np.concatenate(part) for part in zip(*columns, strict=True))
+    return CapacitanceReadings(loads, values, widths, tuple(names), ("capacitance.csv",) * len(loads))
 
 
 def draw_spectra(c: Constants, rng: np.random.Generator) -> tuple[Spectrum, ...]:

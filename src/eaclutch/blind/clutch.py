@@ -8,7 +8,7 @@ import numpy as np
 
 from eaclutch.blind.contact import contact_force, rest_gap
 from eaclutch.blind.film import engagement_delay, release_motion
-from eaclutch.blind.loadtrain import SWING_STEP, climb, friction_forces, swing, train_stiffness
+from eaclutch.blind.loadtrain import SWING_STEP, Friction, climb, friction_forces, swing, train_stiffness
 from eaclutch.blind.world import Constants, Runs
 from eaclutch.records import FloatArray
 
@@ -34,14 +34,32 @@ class Motion:
     pulled_in: FloatArray
 
 
-def move(runs: Runs, c: Constants, rng: np.random.Generator) -> Motion:
-    """Solve all runs: gaps at rest, release of the film, stick-slip, swing. ``rng``: slip-to-slip scatter."""
+@dataclass(frozen=True)
+class Rest:
+    """Every run at rest: gaps without and with voltage [m], onset of the rise [s], friction; (runs,)."""
+
+    gap_off: FloatArray
+    gap_on: FloatArray
+    pulled_in: FloatArray
+    onset: FloatArray
+    friction: Friction
+
+
+def at_rest(runs: Runs, c: Constants) -> Rest:
+    """Gaps, closing time and friction of all runs."""
     gap_off, _ = rest_gap(runs, c, np.zeros(len(runs)), runs.kappa)
     gap_on, pulled_in = rest_gap(runs, c, runs.voltage, runs.kappa)
     onset = engagement_delay(gap_off, gap_on, runs, c)
     friction = friction_forces(contact_force(gap_on, runs, c), contact_force(gap_off, runs, c), runs, c)
-    times, forces, slips, at_off = climb(friction, friction.kinetic_before, onset, runs, c, rng)
-    gaps = release_motion(gap_on, runs, c)
+    return Rest(gap_off, gap_on, pulled_in, onset, friction)
+
+
+def move(runs: Runs, c: Constants, rng: np.random.Generator) -> Motion:
+    """Solve all runs: gaps at rest, release of the film, stick-slip, swing. ``rng``: slip-to-slip scatter."""
+    state = at_rest(runs, c)
+    friction = state.friction
+    times, forces, slips, at_off = climb(friction, friction.kinetic_before, state.onset, runs, c, rng)
+    gaps = release_motion(state.gap_on, runs, c)
     contact = np.stack([contact_force(gap, runs, c) for gap in gaps])
     return Motion(
         before=friction.kinetic_before,
@@ -52,7 +70,7 @@ def move(runs: Runs, c: Constants, rng: np.random.Generator) -> Motion:
         at_off=at_off,
         static_before=friction.kinetic_before * 1.12,
         start_rate=train_stiffness(runs, c) * c.stage_speed,
-        pulled_in=pulled_in,
+        pulled_in=state.pulled_in,
     )
 
 

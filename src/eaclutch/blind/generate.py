@@ -14,6 +14,7 @@ from eaclutch.blind.bench_readings import draw_bursts, draw_capacitance, draw_sp
 from eaclutch.blind.case import Case, build_case, campaign_yaml
 from eaclutch.blind.observe import runs_table
 from eaclutch.blind.plan import Entry, generator
+from eaclutch.blind.truth import truth_of
 from eaclutch.files import write_csv, write_text
 from eaclutch.records import BurstFeatures, CapacitanceReadings, Spectrum
 
@@ -52,8 +53,11 @@ def generate_case(entry: Entry) -> tuple[Tables, dict[str, Any]]:
     return tables_of(case), answer_of(case)
 
 
-def answer_of(case: Case) -> dict[str, Any]:
-    """What a diagnosis should find: effects with sizes, the right verdict, the true constants of the bench."""
+def answer_of(case: Case, *, truth: bool = False) -> dict[str, Any]:
+    """What a diagnosis should find: effects with sizes, the right verdict, the true constants of the bench.
+
+    ``truth`` adds distances, closures and places (``truth_of``; some seconds).
+    """
     entry, c = case.entry, case.constants
     named = sorted(name for name, _ in entry.effects)
     return {
@@ -80,7 +84,7 @@ def answer_of(case: Case) -> dict[str, Any]:
             "film_kinetic": c.film_kinetic,
         },
         "seed": {"namespace": entry.namespace, "seed": entry.seed},
-    }
+    } | ({"truth": truth_of(case)} if truth else {})
 
 
 def write_bench(tables: Tables, folder: Path) -> None:

@@ -137,14 +137,16 @@ class _Single:
         return 1 - self.weak * speed / (speed + self.speed) if self.weak else 1.0
 
 
-def swing(contact: FloatArray, force_at_off: FloatArray, runs: Runs, c: Constants) -> FloatArray:
+def swing(
+    contact: FloatArray, force_at_off: FloatArray, runs: Runs, c: Constants, steps: int = SWING_STEPS
+) -> FloatArray:
     """Force on the load cell [N] (steps, runs), every SWING_STEP after the voltage fell.
 
     ``contact``: F_k on RELEASE_TIMES (times, runs). Linear oscillator, advanced exactly over each step with
     the friction held constant; stuck until k x exceeds static friction; the tip pushes and cannot pull.
     """
     n = len(runs)
-    clock = SWING_STEP * np.arange(SWING_STEPS)
+    clock = SWING_STEP * np.arange(steps)
     contact_now = np.stack([np.interp(clock, RELEASE_TIMES, contact[:, i]) for i in range(n)], axis=1)
     base = normal_base(runs, c)
     static = runs.base_static * base + contact_now * runs.film_static + 1.15 * side_force(runs, False)
@@ -154,8 +156,8 @@ def swing(contact: FloatArray, force_at_off: FloatArray, runs: Runs, c: Constant
     free = _propagators(np.full(n, c.stiffness), np.full(n, c.mass), c, None)
     position, speed = force_at_off / train_stiffness(runs, c), np.zeros(n)
     stuck = np.ones(n, bool)
-    out = np.empty((SWING_STEPS, n))
-    for step in range(SWING_STEPS):
+    out = np.empty((steps, n))
+    for step in range(steps):
         touching = position > 0
         stiffness = np.where(touching, train_stiffness(runs, c), c.stiffness)
         out[step] = stiffness * position

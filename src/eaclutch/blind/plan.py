@@ -51,22 +51,28 @@ def make_plan(
     *,
     none: int,
     unknown: int,
-    each_single: int,
+    each_single: int = 0,
+    singles: int = 0,
     pairs: int,
     limits: dict[str, float] | None = None,
     misfit_share: float = 0.1,
+    prefix: str | None = None,
 ) -> tuple[Entry, ...]:
     """Entries in random order: ``none`` without effect, ``unknown`` with one the library lacks, ``each_single``
-    of every named effect, ``pairs`` of two named ones.
+    of every named effect and ``singles`` more spread evenly over them, ``pairs`` of two named ones.
 
-    ``limits``: size by effect that the frozen forecast calls just detectable. A tenth of the cases with an
-    effect carry a mild misfit of the contact law beside it.
+    ``limits``: size by effect that the frozen forecast calls just detectable. ``misfit_share`` of the cases
+    with an effect carry a mild misfit of the contact law beside it. Cases are named ``<prefix>-0000`` ..;
+    the default prefix holds the seed, so a sealed plan must state its own.
     """
     rng = generator(namespace, seed, "plan")
     named, strangers = list(NAMED), list(UNNAMED)
     drafts: list[tuple[Kind, tuple[str, ...]]] = [("none", ())] * none
-    drafts += [("unknown", (strangers[i % len(strangers)],)) for i in range(unknown)]
+    offset = int(rng.integers(0, len(strangers)))
+    drafts += [("unknown", (strangers[(i + offset) % len(strangers)],)) for i in range(unknown)]
     drafts += [("single", (name,)) for name in named for _ in range(each_single)]
+    order = rng.permutation(len(named))
+    drafts += [("single", (named[order[i % len(named)]],)) for i in range(singles)]
     for _ in range(pairs):
         a, b = rng.choice(len(named), size=2, replace=False)
         drafts.append(("pair", (named[a], named[b])))
@@ -77,7 +83,7 @@ def make_plan(
         bent = kind in ("single", "pair") and rng.random() < misfit_share
         entries.append(
             Entry(
-                case=f"{namespace}-{seed}-{place:04d}",
+                case=f"{prefix or f'{namespace}-{seed}'}-{place:04d}",
                 namespace=namespace,
                 seed=int(rng.integers(0, 2**62)),
                 kind=kind,

@@ -50,7 +50,7 @@ def record(case: Case, i: int, *, faulty: bool, rng: np.random.Generator) -> Rec
     off = on + float(runs.drive_time[i])
     stop = off - float(runs.dwell[i])
     count = int((off + REST_AFTER) / SAMPLE_STEP) + int(rng.integers(-4, 5))
-    time = 0.85e-3 + SAMPLE_STEP * np.arange(count)
+    time: FloatArray = 0.85e-3 + SAMPLE_STEP * np.arange(count, dtype=np.float64)
     force = force_of(case.motion, runs, i, time, on, float(case.free_start[i]))
     disturbance = case.disturbances[int(runs.session[i])]
     force = readout(force, time, on, off, stop, runs, i, disturbance, rng)

@@ -1,0 +1,216 @@
+"""What is true of a case beyond the names: how far it lies from the base model, where, and each effect's share.
+
+Distances are in standard deviations of the campaign's own noise. The base model's constants may move within
+their priors first, as they do in any calibration; what is left is what a diagnosis could explain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from eaclutch.blind.bench_readings import capacitance_curve
+from eaclutch.blind.candidates import NAMED
+from eaclutch.blind.case import Case, clean_state
+from eaclutch.blind.clutch import at_rest
+from eaclutch.blind.contact import contact_force
+from eaclutch.blind.film import release_motion
+from eaclutch.blind.loadtrain import SWING_STEP, strengthened, swing, train_stiffness, weakened
+from eaclutch.blind.plan import generator
+from eaclutch.blind.strangers import UNNAMED
+from eaclutch.blind.world import Constants, Runs
+from eaclutch.records import FloatArray
+
+# Feature: (phase, absolute sd, relative sd) of one run.
+FEATURES = {
+    "engagement_time_s": ("engage", 6e-4, 0.0),
+    "ramp_rate_n_s": ("ramp", 0.2, 0.01),
+    "shear_capacity_n": ("hold", 4e-3, 0.04),
+    "slip_fraction": ("hold", 0.04, 0.0),
+    "hold_creep_n_s": ("hold", 4e-3, 0.0),
+    "release_time_10_s": ("release", 5e-5, 0.05),
+    "release_time_50_s": ("release", 3.5e-5, 0.05),
+    "release_time_90_s": ("release", 4e-5, 0.05),
+    "final_force_n": ("after", 0.04, 0.0),
+}
+BENCH_SD = 0.006  # relative, of one level of the capacitance curve
+BENCH_LEVELS = np.array([0.1, 0.3, 0.6, 1.0, 2.0, 4.0])  # N
+STEPS = 1600  # of the swing: 6.4 ms
+# Prior sd of the constants that a calibration moves; relative where True.
+MOVABLE = {
+    "contact_stiffness": (0.5, True),
+    "roughness_sd": (0.08, True),
+    "kappa_static": (1.5, False),
+    "film_thickness": (1e-6, False),
+    "stiffness": (500.0, False),
+    "mass": (5e-5, False),
+    "damping": (0.05, False),
+    "base_static": (0.034, False),
+    "base_kinetic": (0.008, False),
+    "film_static": (0.010, False),
+    "film_kinetic": (0.008, False),
+}
+MULTIPLIER_SD = (0.3, 0.15)  # of a factor on the pull, and of its slope against V / 300 V
+
+
+def skeleton(runs: Runs, c: Constants) -> FloatArray:
+    """Noise-free features (runs, features) without the chance of stick-slip: released from 85 % of capacity."""
+    state = at_rest(runs, c)
+    hold = state.friction.static_driven * strengthened(np.full(len(runs), 0.02), runs)
+    stiffness, mass = train_stiffness(runs, c), c.mass + runs.knob("moving_mass")
+    speed = np.maximum(hold - state.friction.kinetic_driven, 0) / np.sqrt(stiffness * mass)
+    slide = state.friction.kinetic_driven * weakened(speed, runs)
+    zeta = (c.damping + runs.knob("side_damping")) / (2 * np.sqrt(stiffness * mass))
+    low = slide - np.exp(-np.pi * zeta / np.sqrt(1 - zeta**2)) * (hold - slide)
+    gain, drift = runs.knob("reading_gain", 1.0), runs.knob("zero_drift")
+    start = 0.85 * hold
+    gaps = release_motion(state.gap_on, runs, c)
+    contact = np.stack([contact_force(gap, runs, c) for gap in gaps])
+    force = swing(contact, start, runs, c, STEPS)
+    lag = runs.knob("readout_time")
+    clock = SWING_STEP * np.arange(STEPS)
+    final = force[-400:].mean(axis=0)
+    times = []
+    for share in (0.1, 0.5, 0.9):
+        below = force < start + (final - start) * share
+        first = np.argmax(below, axis=0)
+        times.append(np.where(below.any(axis=0), clock[first] + lag, np.nan))
+    columns = {
+        "engagement_time_s": state.onset,
+        "ramp_rate_n_s": stiffness * c.stage_speed * runs.knob("speed_factor", 1.0) * gain,
+        "shear_capacity_n": (hold - state.friction.kinetic_before) * gain,
+        "slip_fraction": np.clip((hold - np.maximum(low, 0)) / hold, 0, 1),
+        "hold_creep_n_s": drift,
+        "release_time_10_s": times[0],
+        "release_time_50_s": times[1],
+        "release_time_90_s": times[2],
+        "final_force_n": final * gain + drift * runs.drive_time,
+    }
+    return np.stack([columns[name] for name in FEATURES], axis=1)
+
+
+def _scaled(case: Case, effects: tuple[str, ...], c: Constants, pull: FloatArray | None = None) -> FloatArray:
+    """Features and the capacitance curve in units of noise, flat, for a case that keeps only ``effects``."""
+    runs = clean_state(case.design, c, generator(case.entry.namespace, case.entry.seed, "scatter"))
+    if pull is not None:
+        runs = runs.turn(force_factor=runs.knob("force_factor", 1.0) * pull)
+    for name, size in case.entry.effects:
+        if name in effects:
+            stream = generator(case.entry.namespace, case.entry.seed, f"effect {name}")
+            runs, c = (NAMED | UNNAMED)[name](runs, c, size, stream)
+    features = skeleton(runs, c)  # a run without release has no release times: NaN
+    curve = np.log(np.concatenate([capacitance_curve(c, BENCH_LEVELS, w) for w in (2e-3, 2.5e-3, 3e-3)]))
+    return np.concatenate([features.ravel(), curve / BENCH_SD])
+
+
+def truth_of(case: Case) -> dict[str, Any]:
+    """Distances raw and after calibration, closure of every effect and pair, and where the gap lies."""
+    names = tuple(name for name, _ in case.entry.effects)
+    if not names and case.entry.misfit == 0.0:
+        return {"distance": 0.0, "distance_calibrated": 0.0, "closure": {}, "where": []}
+    plain = replace(case.constants, law="asperities", law_share=0.0, stray_capacitance=0.0)
+    bent = replace(plain, law=case.entry.misfit_law, law_share=case.entry.misfit)
+    base = _scaled(case, (), plain)  # NaN where a run does not release: such features count nowhere
+    count = len(case.runs) * len(FEATURES)
+    table = base[:count].reshape(len(case.runs), len(FEATURES))
+    sd = np.stack(
+        [
+            np.hypot(a, r * np.nan_to_num(np.abs(table[:, j])))
+            for j, (_, a, r) in enumerate(FEATURES.values())
+        ],
+        1,
+    )
+    scale = np.concatenate([sd.ravel(), np.ones(len(base) - count)])
+    tangent = np.stack([np.nan_to_num((moved - base) / scale) for moved in _moved(case, plain)], axis=1)
+    shifts = {kept: np.nan_to_num((_scaled(case, kept, bent) - base) / scale) for kept in _subsets(names)}
+    left = {kept: _absorb(shift, tangent) for kept, shift in shifts.items()}
+    whole = left[names]
+    closure = {}
+    for kept in _subsets(names):
+        rest = tuple(name for name in names if name not in kept)
+        if kept and np.sum(whole**2) > 0:
+            closure["+".join(sorted(kept))] = float(1 - np.sum(left[rest] ** 2) / np.sum(whole**2))
+    return {
+        "distance": float(np.linalg.norm(shifts[names])),
+        "distance_calibrated": float(np.linalg.norm(whole)),
+        "closure": closure,
+        "where": places(whole, case),
+    }
+
+
+def _moved(case: Case, c: Constants) -> list[FloatArray]:
+    out = []
+    for name, (step, relative) in MOVABLE.items():
+        value = getattr(c, name)
+        out.append(
+            _scaled(
+                case, (), replace(c, **{name: value * (1 + 0.1 * step) if relative else value + 0.1 * step})
+            )
+        )
+    v = case.design.voltage / 300
+    for sd, shape in zip(MULTIPLIER_SD, (np.ones_like(v), v - v.mean()), strict=True):
+        out.append(_scaled(case, (), c, pull=1 + 0.1 * sd * shape))
+    base = _scaled(case, (), c)
+    return [base + (moved - base) / 0.1 for moved in out]
+
+
+def _absorb(shift: FloatArray, tangent: FloatArray) -> FloatArray:
+    """What is left of a shift once the constants have moved within their (unit) priors."""
+    moved = np.linalg.solve(tangent.T @ tangent + np.eye(tangent.shape[1]), tangent.T @ shift)
+    return shift - tangent @ moved
+
+
+def _subsets(names: tuple[str, ...]) -> list[tuple[str, ...]]:
+    if len(names) == 2:
+        return [(), (names[0],), (names[1],), names]
+    return [(), names] if names else [()]
+
+
+def places(left: FloatArray, case: Case) -> list[dict[str, Any]]:
+    """Observables by their share of the gap that is left, each with its phase and the factors that order it.
+
+    A factor's ``explained`` is the share of the squared residual that its level means carry; ``all`` is the
+    overall mean's.
+    """
+    count = len(case.runs) * len(FEATURES)
+    table = left[:count].reshape(len(case.runs), len(FEATURES))
+    parts = {name: np.sum(table[:, j] ** 2) for j, name in enumerate(FEATURES)}
+    parts["capacitance"] = np.sum(left[count:] ** 2)
+    total = max(sum(parts.values()), 1e-12)
+    out = []
+    for name in sorted(parts, key=lambda n: -parts[n]):
+        share = float(parts[name] / total)
+        if share < 0.05:
+            break
+        row: dict[str, Any] = {"observable": name, "share": share}
+        if name == "capacitance":
+            row |= {"phase": "capacitance", "factors": {"all": 1.0}}
+        else:
+            column = table[:, list(FEATURES).index(name)]
+            row |= {"phase": FEATURES[name][0], "factors": _factors(column, case)}
+            row["direction"] = "+" if column.sum() > 0 else "-"
+        out.append(row)
+    return out
+
+
+def _factors(column: FloatArray, case: Case) -> dict[str, float]:
+    d = case.design
+    levels = {
+        "all": np.zeros(len(column)),
+        "voltage_v": d.voltage,
+        "frequency_hz": d.frequency,
+        "width_mm": d.width,
+        "preload_n": np.digitize(d.preload_target, (0.25, 0.75, 1.5)),
+        "session": d.session,
+        "run_order": np.digitize(d.order, (7, 14)),
+    }
+    energy = max(float(np.sum(column**2)), 1e-12)
+    out = {}
+    for name, level in levels.items():
+        means = np.zeros_like(column)
+        for value in np.unique(level):
+            means[level == value] = column[level == value].mean()
+        out[name] = float(np.sum(means**2) / energy)
+    return out
