@@ -60,10 +60,15 @@ def kernels(data: DataVector, thresholds: Mapping[str, Any]) -> Kernels:
     tolerance_sd = np.array([thresholds["tolerance"][b] for b in data.block])
     shape = _smooth(data, shares)
     across = np.where(same_family, np.where(same_channel, 1.0, rho), 0.0)
+    scatter = np.array([thresholds["scatter"].get(b, 0.0) for b in data.block])
+    tolerance = np.outer(tolerance_sd, tolerance_sd) * between * same_family * shape
+    for term in thresholds["shared"]:
+        together = np.array([term["sd"] * term["blocks"].get(b, 0.0) for b in data.block])
+        tolerance = tolerance + np.outer(together, together)
     return Kernels(
-        data.noise_sd**2,
+        data.noise_sd**2 + scatter**2,
         np.outer(session_sd, session_sd) * between * same_offset,
-        np.outer(tolerance_sd, tolerance_sd) * between * same_family * shape,
+        tolerance,
         across * shape,
         tolerance_sd,
     )

@@ -25,6 +25,8 @@ from eaclutch.records import FloatArray
 
 SCOUTS = 64  # parameter sets of an effect tried before the fit
 SCOUT_WIDTH = 1.3  # in prior sds
+NEARLY_OFF = -1.5  # prior sds: a half-normal amplitude at a sixth of its scale
+SPREAD = 0.7  # prior sds, of the draws that a fit from scratch looks at
 STARTS = 2  # of which so many are fitted
 
 
@@ -71,13 +73,21 @@ def fit_hypothesis(
             return kernels.total()
         return kernels.total(signature=own_signature(forward, theta), signature_tolerance=share)
 
-    if base is None:
-        starts = [forward.priors.to_normal(np.array([p.default for p in forward.parameters]))]
-    else:
-        starts = _scout(forward, base)
+    starts = _prior_starts(forward, data, kernels) if base is None else _scout(forward, base)
     found = [_finish(forward, data, kernels, thresholds, find_mode(forward, data.values, covariance_at, start))
              for start in starts]  # fmt: skip
     return max(found, key=lambda fitted: fitted.log_evidence)
+
+
+def _prior_starts(forward: Forward, data: DataVector, kernels: Kernels) -> list[FloatArray]:
+    """Where a fit from scratch starts: the defaults, and the best of many draws around them."""
+    default = forward.priors.to_normal(np.array([p.default for p in forward.parameters]))
+    points = qmc.Sobol(len(default), scramble=False).random(2 * SCOUTS)[1:]
+    u = default + SPREAD * ndtri(np.clip(points, 1e-6, 1 - 1e-6))
+    factor = cho_factor(kernels.total(), lower=True)
+    gap = data.values - forward.representative.predict(forward.priors.from_normal(u))
+    cost = 0.5 * np.sum(gap.T * cho_solve(factor, gap.T), axis=0) + 0.5 * np.sum(u**2, axis=1)
+    return [default, *(u[i] for i in np.argsort(cost)[:STARTS])]
 
 
 def _finish(
@@ -124,7 +134,8 @@ def _scout(forward: Forward, base: HypothesisFit) -> list[FloatArray]:
     w = base.linearised.w - shift
     white = cho_solve(factor, w.T)
     score = -0.5 * np.sum(w.T * white, axis=0) - cost
-    starts = []
+    # the base fit itself comes first: a hypothesis that holds the base model must not do worse than it
+    starts = [np.where([i in own for i in range(u.shape[1])], NEARLY_OFF, u[0])]
     for i in np.argsort(-score)[:STARTS]:
         followed = dict(zip(base.mode.names, base.linearised.jacobian.T @ white[:, i], strict=True))
         start = np.array([followed.get(name, u[i, k]) for k, name in enumerate(forward.priors.names)])

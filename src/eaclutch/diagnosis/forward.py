@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 
 import numpy as np
@@ -11,7 +12,7 @@ from eaclutch.diagnosis.bench_channels import BenchEntries
 from eaclutch.diagnosis.channels import Channel
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.inference.priors import Priors
-from eaclutch.physics.effect import Parameter
+from eaclutch.physics.effect import Parameter, Prior
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import FloatArray, RunConditions
 
@@ -27,9 +28,15 @@ class Forward:
     campaign's own model), without those that move nothing in this campaign.
     """
 
-    def __init__(self, model: ClutchModel, data: DataVector, candidates: Sequence[str] = ()):
+    def __init__(
+        self,
+        model: ClutchModel,
+        data: DataVector,
+        candidates: Sequence[str] = (),
+        priors: Mapping[str, Sequence[float]] | None = None,
+    ):
         self.model, self.data, self.candidates = model, data, tuple(candidates)
-        free = [p for p in model.parameters.values() if self._free(p.name)]
+        free = [_with_prior(p, priors or {}) for p in model.parameters.values() if self._free(p.name)]
         if self.candidates:
             idle = self._idle([p for p in free if self.own(p.name)])
             free = [p for p in free if p.name not in idle]
@@ -131,6 +138,14 @@ class RepresentativeForward:
         finite = np.where(np.isfinite(scaled), scaled, 0.0)
         entries = finite[:, self.channel, self.group]
         return np.concatenate([entries, self.full.bench(named, draws)], axis=1)
+
+
+def _with_prior(parameter: Parameter, priors: Mapping[str, Sequence[float]]) -> Parameter:
+    """The parameter with the normal prior (mean, sd) that ``priors`` gives it, if it does."""
+    if parameter.name not in priors:
+        return parameter
+    mean, sd = priors[parameter.name]
+    return replace(parameter, prior=Prior("normal", float(mean), float(sd)))
 
 
 def predict_scaled(

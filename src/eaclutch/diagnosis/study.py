@@ -62,6 +62,7 @@ class Study:
 
     def __init__(self, inputs: DiagnosisInputs, thresholds: Mapping[str, Any], seed: int = 1):
         self.inputs, self.thresholds, self.seed = inputs, thresholds, seed
+        self.priors = {**thresholds["priors"], **(inputs.priors or {})}
         every = inputs.candidates or tuple(name for name in EFFECTS if name not in inputs.effects)
         self.candidates = tuple(name for name in every if name not in inputs.effects)
         self.conditions: RunConditions = conditions_from_runs(inputs.table, inputs.bench)
@@ -101,7 +102,7 @@ class Study:
 
     def _explained(self, first: DataVector) -> FloatArray:
         """Run-level predictions of the base model after a first fit, (channels, runs)."""
-        forward = Forward(self.model(), first)
+        forward = Forward(self.model(), first, (), self.priors)
         fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
         return forward.runs({name: np.array([value]) for name, value in fitted.parameters.items()})[0]
 
@@ -115,7 +116,7 @@ class Study:
         return fit_hypothesis(self.forward(()), self.data, self.kernels, self.thresholds)
 
     def forward(self, effects: Sequence[str]) -> Forward:
-        return Forward(self.model(effects), self.data, effects)
+        return Forward(self.model(effects), self.data, effects, self.priors)
 
     def fit(self, effects: Sequence[str]) -> HypothesisFit:
         """Joint fit with ``effects`` on top of the campaign's model."""

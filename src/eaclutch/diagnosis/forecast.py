@@ -1,0 +1,159 @@
+"""Confusability known beforehand: what this design and model could tell apart, before any data are looked at.
+
+Everything is done on signatures: how far an effect moves the entries of a campaign that the base model itself
+predicts. Data are simulated around them with repeat noise, session spread, the base laws' tolerance and an error
+of the effect's own law, and weighed like real ones, with each law's free parameters replaced by a cloud of sizes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.linalg import solve_triangular
+from scipy.special import logsumexp
+
+from eaclutch.diagnosis.covariance import Kernels
+from eaclutch.diagnosis.fit import scout_shifts
+from eaclutch.diagnosis.study import Study
+from eaclutch.physics.effects import EFFECTS
+from eaclutch.records import FloatArray
+
+DRAWS = 12  # parameter sets of each effect
+REPLICAS = 10  # data sets simulated from each
+NONE_REPLICAS = 200
+AMPLITUDE_SD = 0.3  # a scouted signature stands for its neighbours of other amplitude, too
+SIZES = np.geomspace(0.05, 4.0, 14)  # of a typical draw
+SURE = 0.8  # probability of the right verdict that makes an effect identifiable
+
+
+@dataclass(frozen=True)
+class Cloud:
+    """Signatures of one law, whitened by the base model's marginal covariance: (scouts, entries)."""
+
+    name: str
+    white: FloatArray
+
+
+class Forecast:
+    """The expected confusion matrix and detection limits of one design."""
+
+    def __init__(self, study: Study):
+        """``study``: of a table that the base model predicts (``planned_table``)."""
+        self.study = study
+        base = study.base
+        self.kernels: Kernels = study.kernels
+        self.covariance = base.linearised.marginal()
+        self.root = np.linalg.cholesky(self.covariance)
+        self.clouds = [
+            Cloud(name, self._whiten(scout_shifts(study.forward((name,)), base)[0]))
+            for name in study.candidates
+        ]
+        self.names = [*study.candidates, "unknown", "none"]
+        thresholds = study.thresholds
+        prior = thresholds["prior"]
+        named = (1.0 - prior["none"] - prior["unknown"]) / max(1, len(self.clouds))
+        self.log_prior = np.log([named] * len(self.clouds) + [prior["unknown"], prior["none"]])
+        self.nameless_roots = [
+            np.linalg.cholesky(self.covariance + self.kernels.tolerance * (factor**2 - 1.0))
+            for factor in thresholds["nameless"]["factors"]
+            if factor > 1.0
+        ]
+        self.nameless_cost = float(-np.log(thresholds["nameless"]["free_share"] / len(self.nameless_roots)))
+
+    def _whiten(self, w: FloatArray) -> FloatArray:
+        return solve_triangular(self.root, w.T, lower=True).T
+
+    def verdicts(self, w: FloatArray) -> np.ndarray:
+        """Index into ``names`` of the most probable hypothesis for data (sets, entries)."""
+        a = self._whiten(w)
+        plain = -0.5 * np.sum(a**2, axis=1)
+        log_det = float(np.sum(np.log(np.diag(self.root))))
+        scores = [self._cloud_evidence(a, cloud.white) for cloud in self.clouds]
+        nameless = []
+        for root in self.nameless_roots:
+            z = solve_triangular(root, w.T, lower=True)
+            nameless.append(-0.5 * np.sum(z**2, axis=0) - np.sum(np.log(np.diag(root))) + log_det)
+        scores.append(logsumexp(nameless, axis=0) - self.nameless_cost)
+        scores.append(plain)
+        total = np.stack(scores, axis=1) / self.study.thresholds["temperature"] + self.log_prior
+        return np.argmax(total, axis=1)
+
+    def _cloud_evidence(self, a: FloatArray, b: FloatArray) -> FloatArray:
+        """log mean over scouts of N(a; b, 1 + v b b'), up to the constant that all share."""
+        v = AMPLITUDE_SD**2
+        norm = np.sum(b**2, axis=1)
+        cross = a @ b.T
+        quadratic = np.sum(a**2, axis=1)[:, None] - 2 * cross + norm
+        quadratic = quadratic - v * (cross - norm) ** 2 / (1.0 + v * norm)
+        return logsumexp(-0.5 * quadratic - 0.5 * np.log1p(v * norm), axis=1) - np.log(len(b))
+
+    def simulate(self, shift: FloatArray, replicas: int, rng: np.random.Generator) -> FloatArray:
+        """Data (replicas, entries) with an effect that moves them by ``shift`` (entries,), its law a little off."""
+        share = self.study.thresholds["signature_tolerance"]
+        total = self.covariance + self.kernels.smooth * np.outer(share * shift, share * shift)
+        root = np.linalg.cholesky(total)
+        return shift + rng.standard_normal((replicas, len(shift))) @ root.T
+
+    def true_shifts(self, name: str, rng: np.random.Generator) -> tuple[list[dict[str, float]], FloatArray]:
+        """Plausible parameter sets of an effect and how far each moves the entries, (draws, entries)."""
+        forward = self.study.forward((name,))
+        base = self.study.base.parameters
+        draws = [EFFECTS[name].draw(rng) for _ in range(DRAWS)]
+        known = {p.name: p for p in forward.parameters}
+        theta = np.array(
+            [
+                [d.get(n.split(".", 1)[-1], known[n].default) if forward.own(n) else base[n] for n in known]
+                for d in draws
+            ]
+        )
+        theta = np.clip(theta, [p.bounds[0] for p in known.values()], [p.bounds[1] for p in known.values()])
+        neutral = theta[:1].copy()
+        for i, p in enumerate(known.values()):
+            if forward.own(p.name) and p.neutral is not None:
+                neutral[0, i] = p.neutral
+        found = forward.representative.predict(np.concatenate([theta, neutral]))
+        return draws, found[:-1] - found[-1]
+
+    def document(self, rng: np.random.Generator) -> dict[str, Any]:
+        """confusion.json: {truth: {verdict: probability}}, limits, which effects are identifiable."""
+        none = self.simulate(np.zeros(len(self.study.data)), NONE_REPLICAS, rng)
+        matrix = {"none": self._share(self.verdicts(none))}
+        limits = {}
+        for name in self.study.candidates:
+            draws, shifts = self.true_shifts(name, rng)
+            data = np.concatenate([self.simulate(shift, REPLICAS, rng) for shift in shifts])
+            matrix[name] = self._share(self.verdicts(data))
+            limits[name] = self._limit(name, draws, shifts, rng)
+        return {
+            "schema": 1, "campaign": self.study.inputs.bench.name,
+            "model": {"effects": list(self.study.inputs.effects)},
+            "matrix": matrix, "limits": limits,
+            "identifiable": [n for n in self.study.candidates if limits[n]["size"] is not None],
+        }  # fmt: skip
+
+    def _share(self, verdicts: np.ndarray) -> dict[str, float]:
+        counts = np.bincount(verdicts, minlength=len(self.names)) / len(verdicts)
+        return {name: float(c) for name, c in zip(self.names, counts, strict=True)}
+
+    def _limit(
+        self, name: str, draws: Sequence[Mapping[str, float]], shifts: FloatArray, rng: np.random.Generator
+    ) -> dict[str, Any]:
+        """Smallest size, as a multiple of the typical draw, from which the right verdict has the probability SURE."""
+        strength = np.linalg.norm(self._whiten(shifts), axis=1)
+        typical = int(np.argsort(strength)[len(strength) // 2])
+        index = self.names.index(name)
+        right = []
+        for size in SIZES:
+            data = self.simulate(size * shifts[typical], 4 * REPLICAS, rng)
+            right.append(float(np.mean(self.verdicts(data) == index)))
+        sure = [i for i in range(len(SIZES)) if right[i] >= SURE]
+        size = float(SIZES[sure[0]]) if sure else None
+        amplitudes = {p.name for p in EFFECTS[name].parameters if p.neutral is not None}
+        return {
+            "size": size, "distance": float(strength[typical] * (size or SIZES[-1])),
+            "parameters": {k: v * (size or SIZES[-1]) if k in amplitudes else v for k, v in draws[typical].items()},
+            "probability_by_size": {f"{s:.3g}": r for s, r in zip(SIZES, right, strict=True)},
+        }  # fmt: skip
