@@ -74,3 +74,25 @@ rule diagnosis:
     shell:
         "eaclutch --log {log} diagnosis --campaign {params.campaign:q} --results {params.results:q}"
         " --settings {params.settings:q} --seed {params.seed} --output {output:q} {input.candidates:q}"
+
+
+rule confusion:
+    input:
+        logs=campaign_files("tensile"),
+        thresholds=THRESHOLDS,
+    output:
+        results("diagnosis/confusion.json"),
+    log:
+        log_of("confusion"),
+    params:
+        campaign=CAMPAIGN,
+        results=RESULTS,
+        bench=bench(),
+        settings=settings("model", "priors", "diagnosis"),
+        seed=seed("confusion"),
+        code=code("diagnosis.forecast", "diagnosis.planned", effects=[*EFFECTS_ON, *CANDIDATES]),
+    message:
+        "confusion: what this design could tell apart"
+    shell:
+        "eaclutch --log {log} confusion --campaign {params.campaign:q} --results {params.results:q}"
+        " --settings {params.settings:q} --seed {params.seed} --output {output:q}"

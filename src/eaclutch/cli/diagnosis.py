@@ -11,11 +11,14 @@ import click
 from eaclutch.config import load_bench
 from eaclutch.diagnosis.conclude import conclude, gap_summary
 from eaclutch.diagnosis.files import read_inputs
+from eaclutch.diagnosis.forecast import Forecast
 from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.planned import planned_study
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.files import read_json, write_json
+from eaclutch.rig.campaign import open_campaign
 
 _FOLDER = click.Path(path_type=Path)
 _FILE = click.Path(dir_okay=False, path_type=Path)
@@ -71,4 +74,13 @@ def diagnosis(
     write_json(output, conclude(study, [*found, *weigh_pairs(study, found, pairs)]))
 
 
-COMMANDS = [diagnosis_gap, diagnosis_candidate, diagnosis]
+@click.command("confusion")
+@_common
+def confusion(campaign: Path, results: Path, settings: str, seed: int, output: Path) -> None:
+    """What this campaign's design could tell apart, before its data are looked at (confusion.json)."""
+    chosen = json.loads(settings)
+    study = planned_study(open_campaign(campaign), chosen, load_thresholds(), seed)
+    write_json(output, Forecast(study).document(study.generator(21)))
+
+
+COMMANDS = [diagnosis_gap, diagnosis_candidate, diagnosis, confusion]

@@ -22,14 +22,7 @@ def read_inputs(results: Path, bench: Bench, settings: Mapping[str, Any]) -> Dia
     runs = _table(results / "runs.csv")
     if runs is None:
         raise InputError(results / "runs.csv", "missing or empty", "run the observables stage first")
-    model = settings.get("model", {})
-    without = set(model.get("without") or ())
-    effects = tuple(name for name in (model.get("effects") or BASE) if name not in without)
-    options = {
-        key: model[key]
-        for key in ("roughness_rule", "roughness_cut", "force_multiplier_form")
-        if key in model
-    }
+    effects, options = model_of(settings)
     return DiagnosisInputs(
         bench,
         runs,
@@ -41,6 +34,15 @@ def read_inputs(results: Path, bench: Bench, settings: Mapping[str, Any]) -> Dia
         options,
         settings.get("priors") or {},
     )
+
+
+def model_of(settings: Mapping[str, Any]) -> tuple[tuple[str, ...], dict[str, Any]]:
+    """Effects that are switched on, and the keywords of ClutchModel, from the config's ``model`` section."""
+    model = settings.get("model", {})
+    without = set(model.get("without") or ())
+    effects = tuple(name for name in (model.get("effects") or BASE) if name not in without)
+    keys = ("roughness_rule", "roughness_cut", "force_multiplier_form")
+    return effects, {key: model[key] for key in keys if key in model}
 
 
 def readings(path: Path) -> CapacitanceReadings | None:
