@@ -12,35 +12,35 @@ BOTTOM = 0.0015  # s after a level is first passed in which the fall ends
 
 def smoothing_weights(drop_over_noise: float) -> FloatArray:
     """Weights of a local cubic: wider where the drop stands less far out of the noise (bias against scatter)."""
-    half = 3 if drop_over_noise > 20 else 4 if drop_over_noise > 10 else 6
-    return savgol_coeffs(2 * half + 1, 3)
+    half = 2 if drop_over_noise > 12 else 3 if drop_over_noise > 7 else 5
+    return np.ones(1) if drop_over_noise > 25 else savgol_coeffs(2 * half + 1, 3)
 
 
 def smoothed(force: FloatArray, weights: FloatArray, level: FloatArray) -> FloatArray:
     """Local cubic of each force (draws, samples); before the first sample it stands at ``level`` (draws,)."""
     half = len(weights) // 2
+    if half == 0:
+        return force
     ahead = np.repeat(level[:, None], half, axis=1)
     behind = np.repeat(force[:, -1:], half, axis=1)
     padded = np.concatenate([ahead, force, behind], axis=1)
     return np.lib.stride_tricks.sliding_window_view(padded, len(weights), axis=1) @ weights[::-1]
 
 
-def over_pick_up(
-    time: FloatArray, force: FloatArray, spoiled: np.ndarray, level: FloatArray, reach: int
-) -> FloatArray:
-    """Forces (draws, samples) with the ``spoiled`` samples taken from a start of the fall, level - a t^2 - b t^3.
+def over_pick_up(force: FloatArray, spoiled: np.ndarray) -> FloatArray:
+    """Forces (draws, samples) with ``spoiled`` samples (samples,) bridged from their neighbours.
 
-    ``time`` counts from the fall of the voltage; the ``reach`` samples after the spoiled ones give a and b.
+    Just after the voltage fell the force has hardly begun to fall: a parabola that leaves the left neighbour level.
     """
     if not spoiled.any():
         return force
-    last = int(np.flatnonzero(spoiled)[-1])
-    seen = slice(last + 1, last + 1 + reach)
-    powers = np.stack([time**2, time**3], axis=1)
-    solve = np.linalg.pinv(powers[seen])  # (2, reach)
-    below = (force[:, seen] - level[:, None]) @ solve.T
+    known = np.flatnonzero(~spoiled)
+    missing = np.flatnonzero(spoiled)
+    right = np.clip(np.searchsorted(known, missing), 1, len(known) - 1)
+    left_at, right_at = known[right - 1], known[right]
+    part = ((missing - left_at) / (right_at - left_at)) ** 2
     filled = force.copy()
-    filled[:, spoiled] = np.minimum(level[:, None] + below @ powers[spoiled].T, level[:, None])
+    filled[:, missing] = (1.0 - part) * force[:, left_at] + part * force[:, right_at]
     return filled
 
 
@@ -66,9 +66,16 @@ def passing_times(time: FloatArray, force: FloatArray, levels: FloatArray, clear
 
 
 def _between(time: FloatArray, force: FloatArray, levels: FloatArray, index: np.ndarray) -> FloatArray:
-    """Where the line between the samples index - 1 and index passes the level."""
+    """Where the curve between the samples index - 1 and index passes the level, by inverse interpolation.
+
+    The line, corrected once by the curvature that the two samples beyond show.
+    """
     index = np.clip(index, 1, force.shape[1] - 1)
     rows = np.arange(len(force))
     high, low = force[rows, index - 1], force[rows, index]
-    part = np.clip((high - levels) / np.where(high > low, high - low, np.inf), 0.0, 1.0)
+    fall = np.where(high > low, high - low, np.inf)
+    part = np.clip((high - levels) / fall, 0.0, 1.0)
+    outer = force[rows, np.maximum(index - 2, 0)] + force[rows, np.minimum(index + 1, force.shape[1] - 1)]
+    bend = np.clip((outer - high - low) / 4.0 / fall, -0.5, 0.5)  # half the second difference over the fall
+    part = np.clip(part - bend * part * (1.0 - part), 0.0, 1.0)
     return time[index - 1] + part * (time[index] - time[index - 1])

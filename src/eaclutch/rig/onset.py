@@ -17,19 +17,27 @@ GRID = 0.0002  # s
 
 
 def onset(
-    time: FloatArray, force: FloatArray, use: np.ndarray, noise: Noise, search: tuple[float, float]
+    time: FloatArray,
+    force: FloatArray,
+    use: np.ndarray,
+    noise: Noise,
+    search: tuple[float, float],
+    step_sd: float = 0.0,
 ) -> Estimate:
     """When the force begins to rise [s]: mean and sd over all onsets in ``search``, equally likely before.
 
     ``time`` [s], evenly spaced, ``force`` [N] and ``use`` (bool: samples that count) have shape (samples,). Level and
     slope (> 0) are integrated out, the latter with a Normal(0, STEEPEST^2) prior. The covariance is the noise's own,
-    the stage's steps at 50 Hz included, so that a slow ripple widens the answer.
+    the stage's steps at 50 Hz included, so that a slow ripple widens the answer. ``step_sd`` [N]: by how much the
+    force may step at time 0 without a rise (a drive that is seen in it).
     """
     count = len(time) // BIN * BIN
     time, force, use = (values[:count].reshape(-1, BIN) for values in (time, force, use.astype(bool)))
     kept = np.flatnonzero(use.all(axis=1))
     time, force = time.mean(axis=1)[kept], force.mean(axis=1)[kept]
     covariance = toeplitz(noise.binned(BIN).autocovariance(int(kept[-1]) + 1))[np.ix_(kept, kept)]
+    driven = time > 0
+    covariance = covariance + step_sd**2 * np.outer(driven, driven)
     root = cholesky(covariance, lower=True, check_finite=False)
     starts = np.arange(search[0], search[1] + GRID / 2, GRID)
     since = np.maximum(time[:, None] - starts, 0.0)

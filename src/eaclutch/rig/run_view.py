@@ -3,23 +3,29 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal
+from typing import Any, Literal, TypeVar
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from eaclutch.records import FloatArray
 from eaclutch.rig.columns_in_step import GAP, sample_spacing
 from eaclutch.rig.estimate import Estimate, Unusable
-from eaclutch.rig.events import Events, find_events
+from eaclutch.rig.events import SENSED_HIGH, Events, find_events
 from eaclutch.rig.noise import Noise, noise_of
 from eaclutch.rig.repair import Whole
 from eaclutch.rig.zero import find_zero
 
+T = TypeVar("T")
+BLOCK = 0.1  # s of which the noise tells the mean's uncertainty; longer means are of independent blocks
 SETTLING = 0.15  # s after the voltage falls, until which the force may still ring
 BEFORE_ON = 0.02  # s, one period of the stage's full steps (50 Hz)
-PICK_UP = 4.8  # samples after an edge of the voltage in which the drive is seen in the force
+# Samples after an edge of the voltage in which the drive is seen in the force (the ADC's filter delays it by two).
+PICK_UP_ON, PICK_UP_EDGE = (1.2, 4.8), (1.2, 3.8)
+FEWEST_BETWEEN_EDGES = 20  # samples: faster drives leave nothing to look at between their edges
 MARGIN = 0.002  # s kept clear of the force's own events where the column is not in step
 
 
@@ -28,6 +34,18 @@ class RunView:
     """A repaired recording with what all observables share."""
 
     whole: Whole
+    done: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
+
+    def once(self, name: str, work: Callable[[RunView], T]) -> T:
+        """What ``work`` makes of this run; done once for the observables of a family. Raises Unusable."""
+        if name not in self.done:
+            try:
+                self.done[name] = work(self)
+            except Unusable as reason:
+                self.done[name] = reason
+        if isinstance(self.done[name], Unusable):
+            raise self.done[name]
+        return self.done[name]
 
     @property
     def time(self) -> FloatArray:
@@ -77,12 +95,31 @@ class RunView:
         if self.whole.holes_while_driven:
             raise Unusable("force_lines_lost")
 
+    @property
+    def slow_drive(self) -> bool:
+        """Whether the polarity edges leave samples between them."""
+        return 0.5 / self.whole.recording.settings.frequency > FEWEST_BETWEEN_EDGES * self.step
+
     @cached_property
     def pick_up(self) -> np.ndarray:
-        """Samples (bool, (samples,)) just after voltage on and off, in which the drive is seen in the force."""
-        after_on, after_off = (self.time - edge for edge in (self.events.on, self.events.off))
-        reach = PICK_UP * self.step
-        return ((after_on > 0) & (after_on < reach)) | ((after_off > 0) & (after_off < reach))
+        """Samples (bool, (samples,)) just after the voltage's edges, in which the drive is seen in the force.
+
+        Polarity edges count where the drive is slow enough to leave samples between them.
+        """
+        events, voltage = self.events, self.whole.recording.voltage
+        edges = np.flatnonzero(np.diff((voltage > SENSED_HIGH).astype(int)))
+        edges = edges[(edges >= events.on_index) & (edges < events.off_index)]
+        seen = [(events.on, PICK_UP_ON), (events.off, PICK_UP_EDGE)]
+        if len(edges):
+            first_high = float(self.time[edges[0]] + 0.5 * self.step)
+            seen.append((first_high, PICK_UP_ON))
+        if self.slow_drive:
+            seen += [(float(self.time[edge] + 0.5 * self.step), PICK_UP_EDGE) for edge in edges]
+        found = np.zeros(len(self.time), dtype=bool)
+        for edge, (start, end) in seen:
+            first, last = np.searchsorted(self.time, [edge + start * self.step, edge + end * self.step])
+            found[first:last] = True
+        return found
 
     def window(self, start: float, end: float, *, least: int = 4) -> slice:
         """Samples with start <= time < end. Raises Unusable where they are too few, lost or interrupted."""
@@ -130,7 +167,7 @@ class RunView:
         """Mean force [N] of a window, with the noise's share of its uncertainty."""
         window = self.window(start, end)
         count = window.stop - window.start
-        block = min(count, max(4, round(BEFORE_ON / self.step)))
+        block = min(count, max(4, round(BLOCK / self.step)))
         sd = noise.sd(np.full(block, 1.0 / block)) * math.sqrt(block / count)
         return Estimate(float(np.mean(self.force[window])), sd)
 
@@ -149,8 +186,10 @@ class RunView:
         """Median force of the last 3 ms before the voltage falls [N]. Raises Unusable."""
         window = self.window(self.force_off - 0.003, self.force_off, least=10)
         force = self.force[window]
-        drawn = np.median(self.noise_moving.windows(len(force), 160), axis=1)
-        return Estimate(float(np.median(force)), float(np.sqrt(np.mean(drawn**2))))
+        # a slip within the window makes the median jump between two levels: noise goes onto the smoothed force
+        smooth = uniform_filter1d(force, 7, mode="nearest")
+        drawn = np.median(smooth + self.noise_moving.windows(len(force), 160), axis=1)
+        return Estimate(float(np.median(force)), float(np.std(drawn)))
 
     @cached_property
     def final_level(self) -> Estimate:

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 
 from eaclutch.records import ObservableInfo
-from eaclutch.rig.estimate import Estimate
+from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.observables._observable import Observable
 from eaclutch.rig.run_view import RunView
 
@@ -16,11 +16,22 @@ SMOOTHING = 20 / 12800  # s: 20 samples of the rig
 
 
 def peak(run: RunView) -> Estimate:
-    """Largest smoothed force while driven [N], the zero not taken off. Raises Unusable."""
+    """Largest smoothed force while driven [N], the zero not taken off. Raises Unusable.
+
+    The largest of many noisy means is too large. One half of the samples saying where it is and the other how large
+    misses the top of a sharp peak and is too small. The truth lies between, and is taken to be anywhere there.
+    """
     window = run.window(run.force_on, run.force_off)
-    width = max(1, round(SMOOTHING / run.step))
-    smooth = uniform_filter1d(run.force[window], width)[width:-width]
-    return Estimate(float(smooth.max()), run.noise_moving.sd(np.full(width, 1.0 / width)))
+    half = max(1, round(SMOOTHING / run.step / 2))
+    force = run.force[window]
+    count = len(force) // 2
+    if count < 4 * half:
+        raise Unusable("too_short")
+    first, second = (uniform_filter1d(part[:count], half)[half:-half] for part in (force[::2], force[1::2]))
+    held = 0.5 * (second[int(np.argmax(first))] + first[int(np.argmax(second))])
+    largest = uniform_filter1d(force, 2 * half)[2 * half : -2 * half].max()
+    noise = run.noise_moving.sd(np.full(2 * half, 0.5 / half))
+    return Estimate(float(0.5 * (held + largest)), math.hypot(noise, (largest - held) / math.sqrt(12.0)))
 
 
 def _measure(run: RunView) -> Estimate:

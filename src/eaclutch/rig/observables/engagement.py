@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+from scipy.ndimage import uniform_filter1d
+
 from eaclutch.records import ObservableInfo
 from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.observables._observable import Observable
@@ -12,15 +15,35 @@ from eaclutch.rig.run_view import RunView
 
 BEFORE, AFTER = 0.020, 0.012  # s around voltage on
 SEARCH = (-0.006, 0.009)  # s after voltage on
+PICK_UP_MEAN = 6e-6  # N/V, what the polarity edges of a fast drive add to the mean force, about 0
+SMOOTHING = 8  # samples
+SLIP = 6.0  # standard deviations that the force falls where it slips
+SHORTEST = 0.003  # s of rise
 UNRESOLVED = 0.0035  # s: a posterior this wide is the search range again
+
+
+def _end_of_rise(run: RunView, on: float) -> float:
+    """Until when the force may rise [s]: AFTER, or the first slip. Raises Unusable (``slips_at_once``)."""
+    window = run.window(on, on + AFTER)
+    smooth = uniform_filter1d(run.force[window], SMOOTHING, mode="nearest")
+    fallen = np.maximum.accumulate(smooth) - smooth
+    slipped = np.flatnonzero(fallen > SLIP * run.noise_moving.white_sd / math.sqrt(SMOOTHING / 2))
+    if len(slipped) == 0:
+        return on + AFTER
+    top = window.start + int(np.argmax(smooth[: slipped[0]]))
+    if run.time[top] - on < SHORTEST:
+        raise Unusable("slips_at_once")
+    return float(run.time[top]) - SMOOTHING / 2 * run.step
 
 
 def _measure(run: RunView) -> Estimate:
     run.require_in_step("on")
     on = run.events.on
-    window = run.window(on - BEFORE, on + AFTER)
+    window = run.window(on - BEFORE, _end_of_rise(run, on))
     time, force = run.time[window] - on, run.force[window]
-    found = onset(time, force, ~run.pick_up[window], run.noise_moving, SEARCH)
+    # the edges of a slow drive are left out; those of a fast one leave their mean in the force
+    step_sd = 0.0 if run.slow_drive else PICK_UP_MEAN * run.whole.recording.settings.voltage
+    found = onset(time, force, ~run.pick_up[window], run.noise_moving, SEARCH, step_sd)
     if found.sd > UNRESOLVED:
         raise Unusable("no_rise")
     return Estimate(found.value, math.hypot(found.sd, run.events.on_sd))
@@ -33,7 +56,7 @@ OBSERVABLES = (
             "s",
             "engage",
             "onset of the force rise after voltage on: level, then a rise that may flatten, fitted from 20 ms before "
-            "to 12 ms after; mean over all onsets from 6 ms before to 9 ms after",
+            "to 12 ms after (to the first slip); mean over all onsets from 6 ms before to 9 ms after",
             resolution=1e-3,
         ),
         _measure,

@@ -6,17 +6,18 @@ import math
 
 import numpy as np
 
-from eaclutch.records import ObservableInfo
+from eaclutch.records import FloatArray, ObservableInfo
 from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.fall import over_pick_up, passing_times, smoothed, smoothing_weights
 from eaclutch.rig.observables._observable import Observable
 from eaclutch.rig.run_view import RunView
 
 LOOK = 0.02  # s after the voltage fell in which the force must have gone its way
+LEAD = 8  # samples before, at which the force stands at its level
 LEAST_DROP = 4.0  # standard deviations of one sample
 DRAWS = 64
 CLEAR = 0.1  # of the way: a level is passed for good when the force is that far below
-REACH = 7  # samples after the pick-up that show how the fall begins
+BRIDGE = 0.09  # of the time under the pick-up: sd of a passing there, which the line across only guesses
 SHARES = (0.1, 0.5, 0.9)
 
 
@@ -24,7 +25,7 @@ def release_times(run: RunView) -> dict[float, Estimate]:
     """Time from voltage off [s] to each share of the way from the force at switch-off to the final one.
 
     The uncertainty, and the bias that is taken off, come from the run's own noise: windows of it are added to the
-    smoothed force and go the same way.
+    smoothed force and go the same way once more.
     """
     run.require_in_step("off")
     events, noise = run.events, run.noise_rest
@@ -33,37 +34,45 @@ def release_times(run: RunView) -> dict[float, Estimate]:
     if drop < LEAST_DROP * noise.white_sd:
         raise Unusable("no_release")
     weights = smoothing_weights(drop / noise.white_sd)
-    window = run.window(events.off, events.off + LOOK)
-    time, spoiled = run.time[window] - events.off, run.pick_up[window]
+    window = run.window(events.off - LEAD * run.step, events.off + LOOK)
+    time = run.time[window] - events.off
+    driven, hidden = time < 0, run.pick_up[window] & (time > 0)
 
-    def passing(force: np.ndarray, level: np.ndarray, end: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        smooth = smoothed(over_pick_up(time, force, spoiled, level, REACH), weights, level)
+    def passing(force: FloatArray, level: FloatArray, end: FloatArray) -> tuple[FloatArray, FloatArray]:
+        known = np.where(driven, level[:, None], force)
+        smooth = smoothed(over_pick_up(known, hidden), weights, level)
         way = level - end
         shares = [passing_times(time, smooth, level - share * way, CLEAR * way) for share in SHARES]
         return smooth, np.stack(shares)
 
-    level, end = np.array([start.value]), np.array([final.value])
-    smooth, value = passing(run.force[None, window], level, end)
-    _, again = passing(smooth, level, end)
-    spread = noise.windows(len(time), DRAWS)
-    quantiles = (np.arange(DRAWS) + 0.5) / DRAWS - 0.5
-    drawn_start = start.value + start.sd * math.sqrt(12.0) * quantiles[(5 * np.arange(DRAWS)) % DRAWS]
-    drawn_end = final.value + final.sd * math.sqrt(12.0) * quantiles[(11 * np.arange(DRAWS)) % DRAWS]
-    _, drawn = passing(smooth + spread, drawn_start, drawn_end)
+    smooth, passed = passing(run.force[None, window], np.array([start.value]), np.array([final.value]))
+    even = math.sqrt(12.0) * ((np.arange(DRAWS) + 0.5) / DRAWS - 0.5)  # mean 0, sd 1
+    level = start.value + start.sd * even[(5 * np.arange(DRAWS)) % DRAWS]
+    end = final.value + final.sd * even[(11 * np.arange(DRAWS)) % DRAWS]
+    _, drawn = passing(smooth + noise.windows(len(time), DRAWS), level, end)
+    under = _hidden_span(time, hidden)
     found = {}
-    for share, times, first, second in zip(SHARES, drawn, value[:, 0], again[:, 0], strict=True):
+    for share, times, first in zip(SHARES, drawn, passed[:, 0], strict=True):
         times = times[np.isfinite(times)]
-        if not (math.isfinite(first) and math.isfinite(second)) or len(times) < 0.9 * DRAWS:
+        if not math.isfinite(first) or len(times) < 0.9 * DRAWS:
             found[share] = Estimate.missing("no_release")
             continue
-        bias = float(np.mean(times)) - second
-        found[share] = Estimate(first - bias, math.hypot(float(np.std(times)), events.off_sd))
+        # what smoothing and noise do once more to the smoothed force, they have done to it before
+        value = 2.0 * first - float(np.mean(times))
+        bridge = BRIDGE * (under[1] - under[0]) if under[0] < value < under[1] else 0.0
+        found[share] = Estimate(value, math.hypot(float(np.std(times)), events.off_sd, bridge))
     return found
+
+
+def _hidden_span(time: FloatArray, hidden: np.ndarray) -> tuple[float, float]:
+    """From the last sample before the pick-up to the first after it [s]; empty where there is none."""
+    index = np.flatnonzero(hidden)
+    return (float(time[index[0] - 1]), float(time[index[-1] + 1])) if len(index) else (0.0, 0.0)
 
 
 def _release(share: float) -> Observable:
     def measure(run: RunView) -> Estimate:
-        return release_times(run)[share]
+        return run.once("release_times", release_times)[share]
 
     text = (
         f"time from voltage off until the force has done {share * 100:g} % of its way from switch_off_force to "

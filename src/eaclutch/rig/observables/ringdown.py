@@ -22,12 +22,12 @@ def swing(run: RunView) -> Swing:
 
 
 def _frequency(run: RunView) -> Estimate:
-    found = swing(run)
+    found = run.once("swing", swing)
     return Estimate(found.frequency, found.frequency_sd)
 
 
 def _damping(run: RunView) -> Estimate:
-    found = swing(run)
+    found = run.once("swing", swing)
     return Estimate(found.damping_ratio, found.damping_ratio_sd)
 
 
