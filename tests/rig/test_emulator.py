@@ -1,5 +1,6 @@
 """The emulated rig behaves as the firmware does; the reader copes with each of its faults and never hangs."""
 
+import termios
 import time
 
 import numpy as np
@@ -66,6 +67,18 @@ def test_it_comes_back_under_another_name(tmp_path):
         transfer(link)
         assert link.port.endswith("rig-1")
         assert rig.port.name == "rig-1"
+
+
+def test_a_port_that_is_pulled_while_the_command_goes_out(tmp_path, monkeypatch):
+    def pulled(self):
+        raise termios.error(5, "Input/output error")
+
+    with rig_at(tmp_path), SerialLink(str(tmp_path / "rig"), SHORT, SETTINGS) as link:
+        with monkeypatch.context() as patch, pytest.raises(TransferFault, match="vanished"):
+            patch.setattr("serial.Serial.flush", pulled)
+            link.transfer(COMMAND)
+        link.settle(COMMAND)
+        transfer(link)
 
 
 def test_a_limited_link_takes_its_time(tmp_path):

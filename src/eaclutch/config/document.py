@@ -76,6 +76,8 @@ def load_schema(name: str) -> dict[str, Any]:
 def read_yaml(path: Path) -> dict[str, Any]:
     """The mapping in a YAML file, keys as text. Raises InputError with file and row."""
     try:
+        if path.exists() and not path.is_file():  # a pipe would be waited for
+            raise InputError(path, "is no file", "put the settings file itself there")
         if path.stat().st_size > MAX_BYTES:
             raise InputError(path, f"larger than {MAX_BYTES} bytes", "give a settings file, not data")
         text = path.read_text(encoding="utf-8")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import termios
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ from eaclutch.rig.link.ports import usb_identity, wait_for_port
 from eaclutch.rig.link.protocol import BAUD, MEMORY_SAMPLES, Command, Timing
 from eaclutch.rig.link.transfer import TransferFault, announced_lines
 
+# what a port that is pulled raises, by which call notices first
+_GONE = (serial.SerialException, OSError, termios.error)
 LONGEST_LINE = 16  # bytes on average; a reply beyond 4 x 250 000 of these is no reply
 Progress = Callable[[str, float], None]  # phase, share done
 
@@ -85,7 +88,7 @@ class SerialLink:
             self._serial.write(two)
             self._serial.flush()
             return self._read(command, raw, progress, start)
-        except (serial.SerialException, OSError) as error:
+        except _GONE as error:
             self.close()
             raise _Partial("vanished", f"the port went away after {len(raw)} bytes ({error})", raw) from None
 
@@ -110,7 +113,7 @@ class SerialLink:
                 got = len(self._chunk())
                 if got:
                     thrown, last = thrown + got, time.monotonic()
-        except (serial.SerialException, OSError):
+        except _GONE:
             self.close()
         return thrown
 
@@ -156,7 +159,7 @@ class SerialLink:
                 self.port = path
                 self._identity = self._identity or usb_identity(path)
                 return
-            except (serial.SerialException, OSError) as error:
+            except _GONE as error:
                 # right after plugging in, the device is there before its permissions are
                 if time.monotonic() < end:
                     time.sleep(0.1)
@@ -185,8 +188,8 @@ def _announced(raw: bytearray) -> int | None:
         raise _Partial(fault.code, fault.detail, raw) from None
 
 
-def _reason(error: OSError) -> tuple[str, str]:
-    number = error.errno
+def _reason(error: Exception) -> tuple[str, str]:
+    number = getattr(error, "errno", None)
     if number in (errno.EAGAIN, errno.EBUSY, errno.EWOULDBLOCK) or "lock" in str(error).lower():
         return "another program holds it", "end the other capture (or terminal) first"
     if number == errno.EACCES:

@@ -26,6 +26,8 @@ from eaclutch.rig.link.transfer import TransferFault
 from eaclutch.rig.log_names import EXTENSIONS, log_name, parse_log_name, run_of
 from eaclutch.rig.logs import read_log, write_log
 
+_LARGEST_RECORD = 100_000  # bytes
+
 
 def captured_runs(campaign: Path) -> dict[str, str | None]:
     """Runs of a campaign and the plan that each was captured for (None: from elsewhere)."""
@@ -33,8 +35,20 @@ def captured_runs(campaign: Path) -> dict[str, str | None]:
     for path in sorted((campaign / "tensile").glob("[!.]*")):
         if path.name.endswith(EXTENSIONS):
             record = campaign / "capture" / f"{run_of(path)}.json"
-            runs[run_of(path)] = read_json(record).get("plan") if record.is_file() else None
+            runs[run_of(path)] = _plan_of(record) if record.is_file() else None
     return runs
+
+
+def _plan_of(record: Path) -> str | None:
+    """The plan that a run's record names; records come with a campaign, so they may hold anything."""
+    try:
+        if record.stat().st_size > _LARGEST_RECORD or record.is_symlink():
+            return None
+        content = read_json(record)
+    except (OSError, ValueError, RecursionError):
+        return None
+    plan = content.get("plan") if isinstance(content, dict) else None
+    return plan if isinstance(plan, str) else None
 
 
 def missing_slots(plan: Plan, campaign: Path, excluded: Mapping[str, str] | None = None) -> list[Slot]:
