@@ -13,8 +13,8 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
-from eaclutch.physics.kernels.film import net_force
 from eaclutch.physics.kernels.drive import ENGAGING, RELEASING, fields_at
+from eaclutch.physics.kernels.film import net_force
 from eaclutch.physics.kernels.forces import contact
 from eaclutch.physics.kernels.ramp import driven_run
 from eaclutch.physics.kernels.statics import driven_gap, rest_before
@@ -33,14 +33,17 @@ def rates(t, y, p, load, gap_before, phase, mode, table):
     out[0], out[1] = y[1], net / p.film_mass
     out[2], out[3] = 0.0, 0.0
     if mode > 0:
-        friction = 0.0
+        friction, stiffness, mass, damping = 0.0, p.stiffness, p.mass, p.load_cell_damping
         if mode < 3:
             lift, _ = contact(p, y[0], table)
-            base = p.substrate_weight + load + net
-            friction = p.base_kinetic * base + p.film_kinetic * lift
+            base = p.substrate_weight + load + net - p.film_spring * (gap_before - y[0])
+            weak = 1.0 - p.weakening_depth * (1.0 - np.exp(-abs(y[3]) / p.weakening_speed))
+            friction = weak * (p.base_kinetic * base + p.film_kinetic * lift) + p.side_friction
             friction = friction if mode == 1 else -friction
+            stiffness = p.stiffness / (1.0 + p.stiffness * p.series_compliance)
+            mass, damping = p.mass + p.added_mass, p.load_cell_damping + p.side_damping
         out[2] = y[3]
-        out[3] = (friction - p.stiffness * y[2] - p.load_cell_damping * y[3]) / p.mass
+        out[3] = (friction - stiffness * y[2] - damping * y[3]) / mass
     return out
 
 
@@ -49,7 +52,10 @@ def static_margin(t, y, p, load, gap_before, table):
     """Static friction less the tip's force [N]."""
     net = net_force(p, fields_at(p, t, RELEASING, table), y[0], y[1], load, gap_before, table)
     lift, _ = contact(p, y[0], table)
-    return p.base_static * (p.substrate_weight + load + net) + p.film_static * lift - p.stiffness * y[2]
+    base = p.substrate_weight + load + net - p.film_spring * (gap_before - y[0])
+    static = p.static_factor_release * (p.base_static * base + p.film_static * lift) + p.side_friction_static
+    kinetic = p.base_kinetic * base + p.film_kinetic * lift + p.side_friction
+    return max(static, kinetic) - p.stiffness / (1.0 + p.stiffness * p.series_compliance) * y[2]
 
 
 def _event(function: Callable[[float, FloatArray], float], direction: float) -> Callable:
@@ -80,7 +86,8 @@ def release(p: np.void, method: str, rtol: float, table: Tables | None = None) -
     _, driven = driven_gap(p, preload, before, table)
     load = preload + p["film_weight"]
     start = driven_run(p, driven, before, table)[2]
-    k = float(p["stiffness"])
+    k = float(p["stiffness"] / (1.0 + p["stiffness"] * p["series_compliance"]))
+    share = float(p["mass"] / (p["mass"] + p["added_mass"]))
     way = before - driven
     x0 = start / k
     scale = np.array([way, way / 1e-5, x0, x0 * 4000.0])
@@ -100,13 +107,18 @@ def release(p: np.void, method: str, rtol: float, table: Tables | None = None) -
         mode = 1
     for _ in range(60):
         # an event function that is zero at the start must not fire there: scipy needs a sign change
-        events = {0: [(holds, -1)], 1: [(zero_speed, 1), (at_contact, -1)], 2: [(zero_speed, -1)], 3: [(at_contact, 1)]}
+        events = {
+            0: [(holds, -1)],
+            1: [(zero_speed, 1), (at_contact, -1)],
+            2: [(zero_speed, -1)],
+            3: [(at_contact, 1)],
+        }
         result = solve_ivp(
             lambda t, y, mode=mode: rates(t, y, p, load, before, RELEASING, mode, table), (t, END), y, method=method,
             rtol=rtol, atol=rtol * scale, dense_output=True, events=[_event(f, d) for f, d in events[mode]],
             first_step=1e-9,
         )  # fmt: skip
-        pieces.append((t, result.t[-1], result.sol))
+        pieces.append((t, result.t[-1], result.sol, float(p["stiffness"]) if mode == 3 else k))
         t, y = result.t[-1], result.y[:, -1].copy()
         if result.status != 1:
             break
@@ -120,26 +132,26 @@ def release(p: np.void, method: str, rtol: float, table: Tables | None = None) -
             y[3] = 0.0
             mode = 0 if holds(t, y) >= 0 else 1
         else:
-            mode, y[2] = 2, 0.0
+            mode, y[2], y[3] = 2, 0.0, y[3] * share
         moved = True
     if not moved and mode == 0:
         return 2, np.full(4, np.nan)
-    final = float(np.mean(_force(pieces, k, np.linspace(0.01, END, 2001))))
-    times = [_crossing(pieces, k, start - part * (start - final)) for part in (0.1, 0.5, 0.9)]
+    final = float(np.mean(_force(pieces, np.linspace(0.01, min(END, pieces[-1][1]), 2001))))
+    times = [_crossing(pieces, start - part * (start - final)) for part in (0.1, 0.5, 0.9)]
     return 0, np.array([*times, final])
 
 
-def _force(pieces: list, k: float, times: FloatArray) -> FloatArray:
+def _force(pieces: list, times: FloatArray) -> FloatArray:
     out = np.empty(times.shape)
-    for a, b, solution in pieces:
+    for a, b, solution, k in pieces:
         inside = (times >= a) & (times <= b)
         if inside.any():
             out[inside] = k * solution(times[inside])[2]
     return out
 
 
-def _crossing(pieces: list, k: float, level: float) -> float:
-    for a, b, solution in pieces:
+def _crossing(pieces: list, level: float) -> float:
+    for a, b, solution, k in pieces:
         grid = np.unique(np.concatenate([np.linspace(a, b, 400), solution.ts]))
         force = k * solution(grid)[2]
         below = np.flatnonzero(force <= level)

@@ -66,14 +66,15 @@ def mittag_leffler(exponent: float, y: float) -> float:
         return float(np.exp(-y))
     sine, cosine = np.sin(np.pi * exponent), np.cos(np.pi * exponent)
 
-    def density(s: float) -> float:  # s = r^alpha takes the singularity at r = 0 away
-        return float(np.exp(-(s ** (1 / exponent)) * y) / (s * s + 2 * s * cosine + 1))
+    def density(q: float) -> float:  # in q = log r^alpha
+        return float(np.exp(-np.exp(min(q / exponent, 700.0)) * y) / (2 * (np.cosh(q) + cosine)))
 
-    peak = max(-cosine, 0.5)
-    edges = [0.0, 0.5 * peak, peak, 2.0 * peak, 20.0]
-    parts = [quad(density, a, b, epsabs=0, epsrel=1e-12, limit=400)[0] for a, b in pairwise(edges)]
-    parts.append(quad(density, 20.0, np.inf, epsabs=1e-16, limit=400)[0])
-    return float(sine / (np.pi * exponent) * sum(parts))
+    # the peak at q = 0 narrows as the exponent nears 1; the exponential cuts off at q = -alpha log y
+    cut = -exponent * np.log(y)
+    width = 1.0 - exponent
+    edges = np.unique([*np.arange(-40.0, 41.0, 2.0), -width, width, *(cut + np.arange(-4.0, 5.0))])
+    total = sum(quad(density, a, b, epsabs=0, epsrel=1e-11, limit=200)[0] for a, b in pairwise(edges))
+    return float(sine / (np.pi * exponent) * total)
 
 
 def greenwood_williamson(x: Quantity) -> FloatArray:

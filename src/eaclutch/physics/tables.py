@@ -33,8 +33,8 @@ class Tables(NamedTuple):
 CONTACT_X0, CONTACT_STEP, CONTACT_N = -12.0, 1 / 32, 961  # x in [-12, 18]
 ROUGH_A0, ROUGH_A_STEP, ROUGH_A_N = np.log(1e-4), 0.08, 188  # a in [1e-4, 314]
 ROUGH_U0, ROUGH_U_STEP, ROUGH_U_N = -8.0, 0.08, 301  # u in [-8, 16]
-RELAX_ALPHA0, RELAX_ALPHA_STEP, RELAX_ALPHA_N = 0.05, 0.01, 96  # alpha in [0.05, 1]
-RELAX_Y0, RELAX_Y_STEP, RELAX_Y_N = -36.0, 0.2, 311  # log y in [-36, 26]
+RELAX_ALPHA0, RELAX_ALPHA_STEP, RELAX_ALPHA_N = 0.04, 0.01, 97  # alpha in [0.04, 1]
+RELAX_Y0, RELAX_Y_STEP, RELAX_Y_N = -30.0, 0.1, 521  # log y in [-30, 22]
 
 
 def contact_table() -> FloatArray:
@@ -74,10 +74,16 @@ def relaxation_table() -> FloatArray:
         if a > 1 - 1e-9:
             values[row] = np.exp(-y)
             continue
-        # q = log r^alpha; poles at q = +-i pi (1 - alpha) set the trapezium step
-        step = min(0.25, np.pi**2 * 2 * (1 - a) / 36)
-        q = np.arange(-40.0, 40.0, step)
-        weight = step / (2 * (np.cosh(q) + np.cos(np.pi * a)))
+        # q = log r^alpha; the poles at q = +-i pi (1 - alpha) set the trapezium step, or a sinh map near alpha = 1
+        pole = np.pi * (1 - a)
+        if pole > 0.6:
+            step = min(0.4 * a, 2 * np.pi * pole / 36)  # the cut-off in q is as sharp as alpha
+            q = np.arange(-40.0, 40.0, step)
+            jacobian = np.full(q.shape, step)
+        else:
+            p = np.arange(-1.0, 1.0, 0.004) * np.arcsinh(40.0 / pole)
+            q, jacobian = pole * np.sinh(p), pole * np.cosh(p) * (p[1] - p[0])
+        weight = jacobian / (2 * (np.cosh(q) + np.cos(np.pi * a)))
         rate = np.exp(np.minimum(q / a, 300.0))
         values[row] = (
             np.sin(np.pi * a) / (np.pi * a) * (np.exp(-np.minimum(np.outer(y, rate), 700.0)) @ weight)

@@ -69,7 +69,7 @@ def _segment_length(p, omega, v, mass, kinetic):
     if p.weakening_depth != 0.0:
         rate = abs(kinetic) * p.weakening_depth / (mass * p.weakening_speed)
         rate *= math.exp(-abs(v) / p.weakening_speed)
-        length = min(length, max(0.1 / max(rate, 1e-9), length / 400.0))
+        length = min(length, max(0.04 / max(rate, 1e-9), length / 400.0))
     return length
 
 

@@ -1,0 +1,213 @@
+"""The model at rest and its interface: equilibria by scipy, statuses, bad input, shapes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from eaclutch.physics import laws
+from eaclutch.physics.effects import BASE
+from eaclutch.physics.model import ClutchModel
+from eaclutch.physics.prediction import OBSERVABLES, PART, Status
+from eaclutch.records import InputError
+
+
+def _at_rest(volt, freq, width, thick):
+    """(preload, gap before, gap driven, capacity) by quadrature and brentq, no table and no kernel."""
+    strip = 8049.0 * 0.1 * width * thick
+    film = 1780.0 * 24e-6 * 55.5e-3 * width
+    preload = (0.15 - 9.81 * (0.173 * (strip + film) + 0.154 * film)) / (0.173 + 0.154)
+    kappa = float(laws.permittivity(freq, 54.2, 4.0, 2.82e-6, 0.562))
+    scale = 8.8541878128e-12 * 28 * 1.5e-3 * width / 8 * volt**2
+
+    def balance(h, pull):
+        average = laws.roughness_average(h, 24e-6 / kappa, 2.8e-6)
+        lift = float(laws.contact_force(h, 5.4e14, 2.8e-6, 55.5e-3, width))
+        return lift - preload - 9.81 * film - pull * scale * average
+
+    before = brentq(lambda h: balance(h, 0.0), 1e-6, 2e-5, xtol=1e-16)
+    driven = brentq(lambda h: balance(h, 1.0), 1e-6, before, xtol=1e-16)
+    lift = float(laws.contact_force(driven, 5.4e14, 2.8e-6, 55.5e-3, width))
+    return preload, before, driven, 0.281 * (9.81 * (film + strip) + preload) + 0.188 * lift
+
+
+def test_gaps_and_capacity_against_the_definitions(model, runs):
+    conditions = runs(
+        voltage=[300.0, 150.0], frequency=[1e3, 0.1], width=[2e-3, 6e-3], thickness=[2e-3, 3e-3]
+    )
+    p = model.predict(conditions)
+    for i, run in enumerate([(300, 1e3, 2e-3, 2e-3), (150, 0.1, 6e-3, 3e-3)]):
+        preload, before, driven, capacity = _at_rest(*run)
+        assert p.state["preload"][0, i] == pytest.approx(preload, rel=1e-9)
+        assert p.state["gap_before"][0, i] == pytest.approx(before, rel=1e-7)
+        assert p.state["gap_driven"][0, i] == pytest.approx(driven, rel=1e-6)
+        assert p.values["shear_capacity_n"][0, i] == pytest.approx(capacity - 0.15, rel=2e-6)
+
+
+def test_driven_run_by_hand(model, runs):
+    """Ramp k v, sawtooth slope zero on average, slip depth from the damping ratio, expected force in its middle."""
+    p = model.predict(runs(), {"slip_phase": 0.0})
+    k, b, m = 18018.0, 0.4274, 0.0011004
+    assert p.values["ramp_rate_n_s"][0, 0] == pytest.approx(k * 0.5e-3)
+    strip, film = 8049.0 * 0.1 * 4e-6, 1780.0 * 24e-6 * 55.5e-3 * 2e-3
+    static = p.values["shear_capacity_n"][0, 0] + 0.15
+    base = p.state["preload"][0, 0] + 9.81 * (strip + film)
+    kinetic = 0.173 * base + 0.154 * (static - 0.281 * base) / 0.188
+    zeta = b / (2 * np.sqrt(k * m))
+    bottom = kinetic - np.exp(-np.pi * zeta / np.sqrt(1 - zeta**2)) * (static - kinetic)
+    assert p.values["switch_off_force_n"][0, 0] == pytest.approx(bottom, rel=1e-9)
+    assert p.values["slip_fraction"][0, 0] == pytest.approx(1 - bottom / static, rel=1e-9)
+    short = model.predict(runs(drive_duration=0.02))
+    assert short.status["capacity"][0, 0] == Status.never_slips
+    assert short.values["shear_capacity_n"][0, 0] == pytest.approx(k * 0.5e-3 * 0.02)
+
+
+def test_ramp_slopes_are_least_squares(model, runs):
+    """The closed form against a fit to the sawtooth of the history."""
+    conditions = runs(voltage=[120.0, 300.0])
+    for index in (0, 1):
+        p = model.predict(conditions)
+        for name, low, high in (("ramp_rate_n_s", 2e-3, 20e-3), ("ramp_rate_late_n_s", 50e-3, 200e-3)):
+            time = np.linspace(low, high, 4001)
+            fitted = np.polyfit(time, model.history(conditions, index, {}, time), 1)[0]
+            # slips of the history take a half period, those of the closed form none
+            assert p.values[name][0, index] == pytest.approx(fitted, abs=1.2)
+
+
+def test_pull_in_and_never_slips_are_named(model, runs):
+    soft = model.predict(runs(), {"contact_stiffness": 2e12})
+    assert (soft.status["release"] == Status.pull_in).all() and np.isnan(
+        soft.values["shear_capacity_n"]
+    ).all()
+    low = model.predict(runs(switch_off_force=0.05))
+    assert low.status["release"][0, 0] == Status.never_slips
+    assert low.values["final_force_n"][0, 0] == pytest.approx(0.05)
+    assert np.isnan(low.values["release_time_90_s"][0, 0])
+    assert model.predict(runs(voltage=0.0)).status["engagement"][0, 0] == Status.timed_out
+
+
+def test_ok_values_are_finite(model, runs):
+    rng = np.random.default_rng(4)
+    n = 400
+    conditions = runs(
+        voltage=rng.uniform(50, 400, n),
+        frequency=np.exp(rng.uniform(-2, 10, n)),
+        friction_before=rng.uniform(0, 1, n),
+    )
+    p = model.predict(
+        conditions,
+        {"roughness_sd": rng.uniform(1e-6, 5e-6, (3, n)), "kappa_static": np.array([20.0, 50, 90])},
+    )
+    for name in OBSERVABLES:
+        assert p.values[name].shape == (3, n)
+        assert np.isfinite(p.values[name][p.status_of(name) == Status.ok]).all(), name
+    assert all((status != Status.timed_out).all() for status in p.status.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("film_thickness", -1e-6),
+        ("cole_cole_exponent", 1.2),
+        ("roughness_sd", 0.0),
+        ("contact_stiffness", np.nan),
+    ],
+)
+def test_bad_parameters_are_named_with_value_and_bounds(model, runs, name, value):
+    with pytest.raises(InputError) as error:
+        model.predict(runs(), {name: value})
+    low, high = model.parameters[name].bounds
+    assert (
+        name in str(error.value)
+        and f"{value:g}" in str(error.value)
+        and f"[{low:g}, {high:g}]" in str(error.value)
+    )
+    p = model.predict(runs(), {name: [value, model.parameters[name].default]}, on_invalid="status")
+    assert p.status["release"][:, 0].tolist() == [Status.invalid, Status.ok]
+    alone = model.predict(runs())
+    assert p.values["release_time_90_s"][1, 0] == alone.values["release_time_90_s"][0, 0]
+
+
+def test_shapes_that_do_not_broadcast_are_refused(model, runs):
+    conditions = runs(voltage=[200.0, 300.0])
+    for wrong in ({"mass": np.ones((2, 3))}, {"mass": [1e-3] * 2, "damping": [0.4] * 3}, {"masss": 1e-3}):
+        with pytest.raises(InputError):
+            model.predict(conditions, wrong)
+    with pytest.raises(InputError):
+        model.predict(conditions, {}, ["sharpness"])
+    with pytest.raises(InputError):
+        ClutchModel(model.bench, ["no_such_effect"])
+
+
+def test_missing_inputs_get_a_status(model, runs):
+    p = model.predict(runs(friction_before=[np.nan, 0.15]))
+    assert p.status["capacity"][0].tolist() == [Status.invalid, Status.ok]
+
+
+def test_only_what_is_asked_for(model, runs):
+    conditions = runs(voltage=[200.0, 300.0])
+    every = model.predict(conditions)
+    for name in ("shear_capacity_n", "engagement_time_s", "release_time_50_s"):
+        assert np.array_equal(model.predict(conditions, {}, [name]).values[name], every.values[name])
+    assert set(PART) == set(every.values)
+
+
+def test_multiplier_forms(bench, runs):
+    conditions = runs(voltage=[100.0, 200.0, 300.0])
+    plain = ClutchModel(bench, force_multiplier_form="none").predict(conditions)
+    linear = ClutchModel(bench)
+    same = linear.predict(conditions)
+    assert np.array_equal(plain.values["shear_capacity_n"], same.values["shear_capacity_n"])
+    tilted = linear.predict(conditions, {"force_multiplier_slope": 1e-3}).values["shear_capacity_n"]
+    assert np.sign(tilted - same.values["shear_capacity_n"]).tolist() == [[-1, 0, 1]]
+    with pytest.raises(InputError, match="force multiplier"):
+        linear.predict(conditions, {"force_multiplier_slope": -0.05})
+
+
+def test_rough_surface_rules(bench, runs):
+    published, clamped = (
+        ClutchModel(bench, roughness_rule=rule).predict(runs()).values["shear_capacity_n"]
+        for rule in ("published", "clamped")
+    )
+    assert (clamped < published).all()
+    flat = ClutchModel(bench, [name for name in BASE if name != "surface_roughness"]).predict(runs())
+    assert (flat.values["shear_capacity_n"] < clamped).all()
+
+
+def test_capacitance_bench_and_permittivity(model):
+    force = np.array([0.5, 2.0, 4.0])
+    gap = [
+        brentq(lambda h, f=f: float(laws.contact_force(h, 5.4e14, 2.8e-6, 60e-3, 2e-3)) - f, 1e-6, 2e-5)
+        for f in force
+    ]
+    kappa = laws.permittivity(1e3, 54.2, 4.0, 2.82e-6, 0.562)
+    expected = laws.capacitance(model.bench.pad, 2e-3, np.array(gap), kappa, 24e-6) + 1e-12
+    assert model.capacitance(force, 2e-3, {"stray_capacitance": 1e-12})[0] == pytest.approx(
+        expected, rel=1e-6
+    )
+    assert model.capacitance(force, 2e-3, {"roughness_sd": [2e-6, 3e-6]}).shape == (2, 3)
+    assert model.permittivity([1e3, 1e6])[0] == pytest.approx(
+        laws.permittivity(np.array([1e3, 1e6]), 54.2, 4.0, 2.82e-6, 0.562)
+    )
+
+
+def test_same_numbers_on_any_number_of_cores(model, runs):
+    import numba
+
+    rng = np.random.default_rng(5)
+    conditions = runs(voltage=rng.uniform(100, 300, 1500))
+    several = model.predict(conditions).values["release_time_90_s"]
+    before = numba.get_num_threads()
+    try:
+        numba.set_num_threads(1)
+        one = model.predict(conditions).values["release_time_90_s"]
+    finally:
+        numba.set_num_threads(before)
+    few = np.concatenate(
+        [
+            model.predict(conditions.select(np.arange(i, i + 100))).values["release_time_90_s"][0]
+            for i in range(0, 1500, 100)
+        ]
+    )
+    assert np.array_equal(several, one, equal_nan=True) and np.array_equal(several[0], few, equal_nan=True)
