@@ -78,7 +78,7 @@ rule diagnosis:
 
 rule confusion:
     input:
-        logs=campaign_files("tensile"),
+        capture=capture_file,
         thresholds=THRESHOLDS,
     output:
         results("diagnosis/confusion.json"),
@@ -87,6 +87,7 @@ rule confusion:
     params:
         campaign=CAMPAIGN,
         results=RESULTS,
+        content=lambda wildcards: content("tensile"),
         bench=bench(),
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("confusion"),

@@ -111,8 +111,9 @@ def by_observable_figure(results: Results) -> Picture | None:
             figure,
             "by-observable",
             "Dots of the gap of each observable, before and after the verdict, with its noise floor.",
-            f"Largest for its size: {observable_words(name)}, {number(float(scale(worst['before'])))} {scale.unit}"
-            f" against a noise floor of {number(float(scale(worst.get('noise_floor') or 0)))} {scale.unit}.",
+            f"Largest for its size: {observable_words(name)}, {number(float(scale(worst['before'])))} {scale.unit} "
+            f"against a noise floor of {number(float(scale(worst.get('noise_floor') or 0)))} {scale.unit}".strip()
+            + ".",
         )
 
 
@@ -158,10 +159,7 @@ def where_figures(results: Results, most: int = 3) -> list[Picture]:
 
 def _against_factor(results: Results, entry: Mapping[str, Any], factor: str, index: int) -> Picture | None:
     name = entry["observable"]
-    rows = results.predictions[results.predictions["observable"] == name]
-    rows = rows[(rows["status"] == "ok") & rows["measured"].notna() & rows["median"].notna()]
-    held = rows["held_out"].astype(str).str.lower() == "true"
-    rows = rows[held] if held.any() else rows
+    rows = results.predicted(name)
     table = rows.merge(results.runs[["run", factor]], on="run")
     if table.empty:
         return None
@@ -191,7 +189,8 @@ def _against_factor(results: Results, entry: Mapping[str, Any], factor: str, ind
             axes.tick_params(axis="x", labelrotation=45)
         figure.legend(loc="outside upper left", ncols=2)
         difference = float(np.median(scale(table["measured"] - table["median"])))
-        source = "left-out conditions" if held.any() else "all conditions"
+        held = bool((rows["held_out"].astype(str).str.lower() == "true").all())
+        source = "left-out conditions" if held else "all conditions"
         return picture(
             figure,
             f"where-{index}",

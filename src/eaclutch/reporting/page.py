@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
@@ -25,7 +26,15 @@ from eaclutch.reporting.posterior_figures import corner_figure, trace_figure
 from eaclutch.reporting.prediction_figures import coverage_figure, prediction_figures
 from eaclutch.reporting.results import STAGES, Results
 from eaclutch.reporting.thumbnails import HEIGHT, WIDTH, Thumbnail, thumbnails
-from eaclutch.reporting.words import effect_words, measured, number, observable_words, percent
+from eaclutch.reporting.words import (
+    Scale,
+    effect_words,
+    measured,
+    number,
+    observable_words,
+    percent,
+    scale_for,
+)
 
 _TEMPLATES = Path(__file__).parent / "templates"
 
@@ -107,21 +116,32 @@ def _some(*pictures: Picture | None) -> list[Picture]:
 
 
 def _parameters(summary: Mapping[str, Any]) -> list[ParameterRow]:
-    return [
-        ParameterRow(
-            stage=stage.replace("_", " "),
-            name=name.replace("_", " "),
-            value=measured(entry.get("median"), entry.get("q05"), entry.get("q95")),
-            unit=entry.get("unit") or "1",
-            r_hat=number(entry.get("r_hat"), 4),
-            effective=number(entry.get("ess_bulk"), 3),
-            prior_sd=number(entry.get("prior_sd")),
-            converged=part.get("converged"),
-            source=part.get("source", ""),
-        )
-        for stage, part in ((stage, summary[stage]) for stage in STAGES if stage in summary)
-        for name, entry in part.get("parameters", {}).items()
-    ]
+    rows = []
+    for stage in (stage for stage in STAGES if stage in summary):
+        part = summary[stage]
+        for name, entry in part.get("parameters", {}).items():
+            scale = scale_for([entry.get("median") or np.nan], entry.get("unit") or "1")
+            median, low, high, prior_sd = (
+                _times(entry.get(key), scale) for key in ("median", "q05", "q95", "prior_sd")
+            )
+            rows.append(
+                ParameterRow(
+                    stage=stage.replace("_", " "),
+                    name=name.replace("_", " "),
+                    value=measured(median, low, high),
+                    unit=scale.unit or "1",
+                    r_hat=number(entry.get("r_hat"), 4),
+                    effective=number(entry.get("ess_bulk"), 3),
+                    prior_sd=number(prior_sd),
+                    converged=part.get("converged"),
+                    source=part.get("source", ""),
+                )
+            )
+    return rows
+
+
+def _times(value: float | None, scale: Scale) -> float | None:
+    return None if value is None else float(scale(value))
 
 
 def _unused(shown: list[Thumbnail]) -> list[tuple[str, str]]:

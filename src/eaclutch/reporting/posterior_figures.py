@@ -102,7 +102,7 @@ def _marginal(axes: Any, values: np.ndarray, prior: np.ndarray | None) -> None:
     axes.set_yticks([])
     if prior is not None and np.ptp(prior) > 0:
         limits = axes.get_xlim()
-        points = np.linspace(*limits, 80)
+        points = np.linspace(limits[0], limits[1], 80)
         axes.plot(points, gaussian_kde(prior)(points), color=GREY, lw=1.2)
         axes.set_xlim(limits)
 

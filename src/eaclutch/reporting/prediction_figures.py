@@ -17,10 +17,10 @@ def prediction_figures(results: Results) -> list[Picture]:
 
 
 def _prediction(results: Results, name: str, index: int) -> Picture | None:
-    rows = results.predictions[results.predictions["observable"] == name]
-    table = rows[(rows["status"] == "ok") & rows["measured"].notna() & rows["median"].notna()]
+    table = results.predicted(name)
     if table.empty:
         return None
+    statuses = results.predictions[results.predictions["observable"] == name].drop_duplicates("run")["status"]
     table = table.merge(results.runs[["run", "session"]], on="run")
     scale = scale_for(table["measured"], results.observables[name].unit)
     measured, median = scale(table["measured"]), scale(table["median"])
@@ -44,13 +44,13 @@ def _prediction(results: Results, name: str, index: int) -> Picture | None:
         axes.set(xlim=ends, ylim=ends, xlabel=f"measured ({unit})", ylabel=f"predicted ({unit})")
         axes.set_title(observable_words(name), loc="left", fontsize=11)
         figure.legend(loc="outside lower left", ncols=4, fontsize=8.5, handletextpad=0.1)
-        strange = int((rows["status"] != "ok").sum())
+        strange = int((statuses != "ok").sum())
         text = (
             f"{len(table)} runs; {percent(inside)} of the measured values lie in the 90 % interval; predicted less "
             f"measured {number(float(np.median(median - measured)), 2)} {unit} in the median."
         )
         if strange:
-            kinds = ", ".join(sorted(set(rows["status"]) - {"ok"})).replace("_", " ")
+            kinds = ", ".join(sorted(set(statuses) - {"ok"})).replace("_", " ")
             text += f" {strange} more without a number from the model ({kinds})."
         return picture(
             figure,
@@ -62,12 +62,7 @@ def _prediction(results: Results, name: str, index: int) -> Picture | None:
 
 def coverage_figure(results: Results) -> Picture | None:
     """Share of measured values in their 90 % interval, by observable."""
-    table = results.predictions
-    table = (
-        table[(table["status"] == "ok") & table["measured"].notna() & table["median"].notna()]
-        if len(table)
-        else table
-    )
+    table = results.predicted()
     if not len(table):
         return None
     inside = (table["measured"] >= table["q05"]) & (table["measured"] <= table["q95"])

@@ -48,6 +48,15 @@ class Results:
     coverage: Mapping[str, Any]
     diagnosis: Mapping[str, Any]
 
+    def predicted(self, observable: str | None = None) -> pd.DataFrame:
+        """Predictions with a number and a measurement, of conditions that the fit did not see where there are such."""
+        rows = self.predictions
+        if observable is not None:
+            rows = rows[rows["observable"] == observable]
+        held = rows["held_out"].astype(str).str.lower() == "true"
+        rows = rows[held] if held.any() else rows
+        return rows[(rows["status"] == "ok") & rows["measured"].notna() & rows["median"].notna()]
+
     @property
     def name(self) -> str:
         """The campaign's name."""

@@ -8,6 +8,8 @@ from typing import Any
 from eaclutch.reporting.results import Results
 from eaclutch.reporting.words import FACTORS, effect_words, number, observable_words, percent
 
+LEAST_SHIFT = 0.5  # posterior standard deviations; smaller moves say nothing
+
 
 def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
     """One sentence: what is missing from the model, how probable that is, how much of the gap it closes."""
@@ -47,7 +49,7 @@ def caveats(results: Results) -> list[str]:
     diagnosis, found = results.diagnosis, []
     verdict = diagnosis["verdict"]
     causes = {cause["effect"]: cause for cause in diagnosis.get("causes", [])}
-    for name in verdict["effects"]:
+    for name in (effect for effect in verdict["effects"] if effect != "unknown"):
         cause = causes.get(name, {})
         if cause.get("adequate_after") is False:
             found.append(
@@ -110,7 +112,10 @@ def level_words(factor: str, level: str) -> str:
 def absorption_sentences(diagnosis: Mapping[str, Any]) -> list[str]:
     """How far each calibrated parameter moves back once the named effect is in the model."""
     sentences = []
-    for name, entry in (diagnosis.get("absorbed") or {}).items():
+    moved = (diagnosis.get("absorbed") or {}).items()
+    for name, entry in sorted(moved, key=lambda item: -abs(item[1].get("shift_posterior_sd") or 0)):
+        if abs(entry.get("shift_posterior_sd") or 0) < LEAST_SHIFT:
+            continue
         unit = "" if entry.get("unit") in (None, "1") else f" {entry['unit']}"
         sentences.append(
             f"{name.replace('_', ' ')}: {number(entry.get('before'))} → {number(entry.get('after'))}{unit}"

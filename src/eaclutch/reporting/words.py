@@ -31,7 +31,7 @@ _PREFIXES = (
     (1e-9, "n"),
     (1e-12, "p"),
 )
-_SCALED = {"s", "N", "m", "F", "Hz", "N/s"}
+_SCALED = {"s", "N", "m", "F", "Hz", "N/s", "N/m"}
 
 
 def observable_words(name: str) -> str:
@@ -103,7 +103,7 @@ def percent(share: float | None) -> str:
         return "< 1\u00a0%"
     if 0.99 < share < 1:
         return "> 99\u00a0%"
-    return f"{100 * share:.0f}\u00a0%"
+    return f"{100 * share:.0f}\u00a0%".replace("-", "−")
 
 
 def measured(value: float | None, low: float | None, high: float | None, unit: str = "") -> str:
