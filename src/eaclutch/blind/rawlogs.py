@@ -67,7 +67,7 @@ def record(case: Case, i: int, *, faulty: bool, rng: np.random.Generator) -> Rec
     if rng.random() < STRAY_SHARE:
         columns[1] = columns[1].copy()
         columns[1][int(rng.integers(0, count))] = np.nan
-    return Recording(settings, *columns)
+    return Recording(settings, columns[0], columns[1], columns[2], columns[3])
 
 
 def sensed_voltage(

@@ -107,12 +107,15 @@ def entry_of(row: Mapping[str, Any]) -> Entry:
     return Entry(effects=effects, **fields)
 
 
+SIDES = ("parameters", "seconds")  # optional files beside a verdict
+
+
 def freeze(verdicts: Path, cases: list[str]) -> dict[str, Any]:
     """Hashes of all verdict files of one method, by case; a missing verdict is frozen as missing."""
-    files = {case: verdicts / f"{case}.json" for case in cases}
-    hashes = {case: sha256(path) if path.is_file() else None for case, path in files.items()}
+    names = [f"{case}{end}.json" for case in cases for end in ("", *(f".{side}" for side in SIDES))]
+    hashes = {name: sha256(verdicts / name) for name in names if (verdicts / name).is_file()}
     whole = hashlib.sha256(json.dumps(hashes, sort_keys=True).encode()).hexdigest()
-    return {"schema": 1, "method": verdicts.name, "verdicts": hashes, "whole": whole}
+    return {"schema": 1, "method": verdicts.name, "cases": cases, "files": hashes, "whole": whole}
 
 
 def open_answers(commitments: list[Path], answers: list[Path]) -> dict[str, dict[str, Any]]:
@@ -137,14 +140,23 @@ def open_answers(commitments: list[Path], answers: list[Path]) -> dict[str, dict
 
 def check_frozen(frozen: Mapping[str, Any], verdicts: Path) -> dict[str, dict[str, Any]]:
     """Verdicts by case as frozen. Raises InputError where a file changed after it was hashed."""
-    found = {}
-    for case, digest in frozen["verdicts"].items():
-        path = verdicts / f"{case}.json"
-        if digest is None:
-            continue
+    for name, digest in frozen["files"].items():
+        path = verdicts / Path(name).name
         if not path.is_file() or sha256(path) != digest:
             raise InputError(path, "changed after the verdicts were frozen", "diagnose and freeze again")
-        found[case] = read_json(path)
+    return {
+        case: read_json(verdicts / f"{case}.json")
+        for case in frozen["cases"]
+        if f"{case}.json" in frozen["files"]
+    }
+
+
+def read_sides(verdicts: Path, cases: list[str]) -> dict[str, dict[str, Any]]:
+    """What lies beside the verdicts, by case: calibrated parameters and seconds, where a method gives them."""
+    found: dict[str, dict[str, Any]] = {}
+    for case in cases:
+        paths = {side: verdicts / f"{case}.{side}.json" for side in SIDES}
+        found[case] = {side: read_json(path) for side, path in paths.items() if path.is_file()}
     return found
 
 

@@ -1,0 +1,91 @@
+"""How a sealed case is diagnosed: the library's own diagnosis, with or without one of its effects."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import click
+import pandas as pd
+
+from eaclutch.config import load_bench
+from eaclutch.diagnosis.conclude import conclude
+from eaclutch.diagnosis.files import bursts as bursts_table
+from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.physics.effects import BASE, EFFECTS
+from eaclutch.records import BurstFeatures, Campaign, InputError
+from eaclutch.rig.batch import extract_batch, join_batches
+from eaclutch.rig.campaign import open_campaign
+from eaclutch.rig.capacitance import read_capacitance
+from eaclutch.rig.load_cell import read_bursts
+from eaclutch.rig.spectra import read_spectra
+
+COMMANDS: list[click.Command] = []
+LEAVE_OUT = "without-"
+
+
+def diagnose_case(
+    folder: Path, method: str, settings: Mapping[str, Any], seed: int
+) -> tuple[dict[str, Any], dict[str, Any], float]:
+    """Diagnose one campaign folder; returns (diagnosis.json, calibrated parameters before and after, seconds).
+
+    ``method``: ``library``, or ``without-<effect>`` to take a candidate out of the library.
+    """
+    start = time.monotonic()
+    inputs = read_case(folder, method, settings)
+    study = Study(inputs, load_thresholds(), seed)
+    found = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
+    pairs = settings.get("diagnosis", {}).get("pairs", 6)
+    found += weigh_pairs(study, found, pairs)
+    document = conclude(study, found)
+    named = tuple(document["verdict"]["effects"])
+    after = next((result for result in found if set(result.effects) == set(named)), found[0])
+    parameters = {"before": dict(found[0].calibrated), "after": dict(after.calibrated)}
+    return document, parameters, time.monotonic() - start
+
+
+def read_case(folder: Path, method: str, settings: Mapping[str, Any]) -> DiagnosisInputs:
+    """What a diagnosis starts from: from raw logs where the folder has them, else from its runs.csv."""
+    bench = load_bench(folder)
+    if (folder / "tensile").is_dir():
+        campaign = open_campaign(folder)
+        batch = extract_batch([log.path for log in campaign.logs], bench)
+        table, _ = join_batches([pd.DataFrame(batch.runs)], bench)
+        swings: BurstFeatures | None = read_bursts(campaign)
+    elif (folder / "runs.csv").is_file():
+        files = {
+            kind: tuple(sorted((folder / kind).glob("*.csv"))) for kind in ("capacitance", "permittivity")
+        }
+        campaign = Campaign(folder, bench, (), files["capacitance"], files["permittivity"], ())
+        table = pd.read_csv(folder / "runs.csv", dtype={"run": str, "flags": str, "reasons": str})
+        table[["flags", "reasons"]] = table[["flags", "reasons"]].fillna("")
+        swings = bursts_table(folder / "bursts.csv")
+    else:
+        raise InputError(folder, "holds neither logs nor runs.csv", "seal the case again")
+    return DiagnosisInputs(
+        bench=bench,
+        table=table,
+        readings=read_capacitance(campaign),
+        spectra=read_spectra(campaign),
+        bursts=swings,
+        effects=tuple(BASE),
+        candidates=_candidates(method, settings),
+        priors=settings.get("priors") or {},
+    )
+
+
+def _candidates(method: str, settings: Mapping[str, Any]) -> tuple[str, ...]:
+    chosen = tuple(settings.get("diagnosis", {}).get("candidates") or ())
+    chosen = chosen or tuple(name for name in EFFECTS if name not in BASE)
+    if method.startswith(LEAVE_OUT):
+        out = method.removeprefix(LEAVE_OUT)
+        if out not in chosen:
+            raise InputError(f"method {method}", f"{out} is no candidate", f"take one of {', '.join(chosen)}")
+        return tuple(name for name in chosen if name != out)
+    if method != "library":
+        raise InputError(f"method {method}", "is not known", "take library or without-<effect>")
+    return chosen
