@@ -9,12 +9,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from eaclutch.physics import laws, rows
+from eaclutch.physics import laws
+from eaclutch.physics import rows as fill
 from eaclutch.physics.effect import Parameter
 from eaclutch.physics.effects import BASE, EFFECTS
 from eaclutch.physics.history import run_history
 from eaclutch.physics.kernels.batch import RESULTS, STATUSES, simulate_batch
 from eaclutch.physics.kernels.bench import gaps_at_loads
+from eaclutch.physics.observables import observable
 from eaclutch.physics.parameters import MultiplierForm, base_parameters
 from eaclutch.physics.prediction import OBSERVABLES, PART, Prediction, Status
 from eaclutch.physics.tables import tables
@@ -22,7 +24,7 @@ from eaclutch.records import Bench, FloatArray, InputError, RunConditions
 
 ENGAGED_FRACTION = 0.005  # of the gap's way: when the published rig can first notice the force rise
 TOLERANCE = 2e-5  # local error of the film's position over its whole displacement
-CHUNK = 32_768  # simulations at a time: rows and results of a chunk stay below 20 MB
+CHUNK = 32_768  # simulations at a time: their rows and results stay below 20 MB
 
 
 class ClutchModel:
@@ -80,7 +82,25 @@ class ClutchModel:
                 raise InputError(
                     f"observable {name}", "the model cannot predict it", f"choose of {', '.join(PART)}"
                 )
-        table, bad = self.rows(conditions, parameters or {}, on_invalid)
+        values, draws = fill.broadcast_parameters(self.parameters, parameters or {}, len(conditions))
+        share = max(1, CHUNK // max(1, len(conditions)))
+        pieces = [
+            self._predict_share(
+                conditions, _of_draws(values, slice(i, i + share)), min(share, draws - i), wanted, on_invalid
+            )
+            for i in range(0, draws, share)
+        ]
+        return _joined(pieces) if len(pieces) > 1 else pieces[0]
+
+    def _predict_share(
+        self,
+        conditions: RunConditions,
+        values: fill.Values,
+        draws: int,
+        wanted: Sequence[str],
+        on_invalid: str,
+    ) -> Prediction:
+        table, bad = self._rows(conditions, values, draws, on_invalid)
         out, status = self._simulate(table, {PART[name].replace("ringdown", "release") for name in wanted})
         out[bad], status[bad] = np.nan, Status.invalid
         result = {name: out[..., i] for i, name in enumerate(RESULTS)}
@@ -88,17 +108,22 @@ class ClutchModel:
         still = (parts["release"] == Status.ok) & (table["load_cell_dynamic"] == 0.0)
         parts["ringdown"] = np.where(still, np.int8(Status.never_slips), parts["release"])
         return Prediction(
-            values={name: self._observable(name, result, table) for name in wanted},
+            values={name: observable(name, result, table) for name in wanted},
             status=parts,
-            state={name: result[name] for name in ("preload", "gap_before", "gap_driven")},
+            state={name: result[name].copy() for name in ("preload", "gap_before", "gap_driven")},
         )
 
     def rows(
         self, conditions: RunConditions, parameters: Mapping[str, ArrayLike], on_invalid: str = "error"
     ) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
         """The solver's rows (draws, runs) and which of them are invalid (those hold the defaults)."""
+        values, draws = fill.broadcast_parameters(self.parameters, parameters, len(conditions))
+        return self._rows(conditions, values, draws, on_invalid)
+
+    def _rows(
+        self, conditions: RunConditions, values: fill.Values, draws: int, on_invalid: str
+    ) -> tuple[NDArray[np.void], NDArray[np.bool_]]:
         runs = len(conditions)
-        values, draws = rows.broadcast_parameters(self.parameters, parameters, runs)
         # a run whose inputs are missing cannot be simulated, whatever the parameters
         missing = (
             np.isnan(conditions.friction_before) | np.isnan(conditions.voltage) | np.isnan(conditions.width)
@@ -109,17 +134,17 @@ class ClutchModel:
                                  width=np.where(missing, 2e-3, conditions.width))  # fmt: skip
         bad = np.broadcast_to(missing, (draws, runs)).copy()
         if on_invalid == "error":
-            rows.refuse_outside(self.parameters, values)
+            fill.refuse_outside(self.parameters, values)
         else:
-            outside = rows.outside(self.parameters, values, draws, runs)
+            outside = fill.outside(self.parameters, values, draws, runs)
             bad |= outside
             if outside.any():  # the formulas see bounded numbers everywhere
                 values = {n: np.where(_inside(v, self.parameters[n]), v, self.parameters[n].default)
                           for n, v in values.items()}  # fmt: skip
         with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
-            sockets = rows.fill_sockets(self.bench, conditions, values, self.effects)
+            sockets = fill.fill_sockets(self.bench, conditions, values, self.effects)
             clamped = self.roughness_rule == "clamped"
-            table = rows.fill_rows(self.bench, conditions, values, sockets, self.force_multiplier_form, clamped,
+            table = fill.fill_rows(self.bench, conditions, values, sockets, self.force_multiplier_form, clamped,
                                    self.roughness_cut, draws)  # fmt: skip
         limits = (
             (
@@ -145,55 +170,16 @@ class ClutchModel:
         flat = table.reshape(-1)
         out = np.empty((flat.size, len(RESULTS)))
         status = np.empty((flat.size, len(STATUSES)), dtype=np.int8)
-        for start in range(0, flat.size, CHUNK):
-            piece = slice(start, start + CHUNK)
-            simulate_batch(flat[piece], tables(), "engagement" in parts, "release" in parts, ENGAGED_FRACTION,
-                           self.tolerance, out[piece], status[piece])  # fmt: skip
+        simulate_batch(flat, tables(), "engagement" in parts, "release" in parts, ENGAGED_FRACTION, self.tolerance,
+                       out, status)  # fmt: skip
         return out.reshape(*table.shape, -1), status.reshape(*table.shape, -1)
-
-    def _observable(self, name: str, result: Mapping[str, FloatArray], table: NDArray[np.void]) -> FloatArray:
-        before = table["friction_before"]
-        alive = np.where(np.isnan(result["capacity"]), np.nan, 1.0)
-        if name == "friction_before_n":
-            return before * alive
-        if name == "shear_capacity_n":
-            return result["capacity"] - before
-        if name == "switch_off_force_n":
-            return result["switch_off"]
-        if name == "start_ratio":
-            return (result["switch_off"] - result["final"]) / (result["capacity"] - result["final"])
-        if name == "slip_fraction":
-            return result["slip_fraction"]
-        if name == "hold_creep_n_s":
-            return 0.0 * alive  # the tip sticks while the stage rests
-        if name == "final_force_n":
-            return result["final"]
-        if name == "baseline_shift_n":
-            return result["final"] - before
-        if name.startswith("ringdown"):
-            free = np.where((table["load_cell_dynamic"] != 0) & (alive == 1.0), 1.0, np.nan)
-            beta = 0.5 * table["load_cell_damping"] / table["mass"]
-            omega = np.sqrt(table["stiffness"] / table["mass"])
-            if name == "ringdown_damping_ratio":
-                return free * beta / omega
-            return free * np.sqrt(np.maximum(omega**2 - beta**2, 0.0)) / (2 * np.pi)
-        column = {
-            "engagement_time_s": "engagement",
-            "ramp_rate_n_s": "ramp",
-            "ramp_rate_early_n_s": "ramp_early",
-            "ramp_rate_late_n_s": "ramp_late",
-            "release_time_10_s": "release_10",
-            "release_time_50_s": "release_50",
-            "release_time_90_s": "release_90",
-        }[name]
-        return result[column]
 
     def permittivity(
         self, frequency: ArrayLike, parameters: Mapping[str, ArrayLike] | None = None
     ) -> FloatArray:
         """Real relative permittivity (draws, points) at ``frequency`` [Hz]."""
-        values, _ = rows.broadcast_parameters(self.parameters, parameters or {}, 1)
-        rows.refuse_outside(self.parameters, values)
+        values, _ = fill.broadcast_parameters(self.parameters, parameters or {}, 1)
+        fill.refuse_outside(self.parameters, values)
         frequency = np.atleast_1d(np.asarray(frequency, dtype=float))
         relaxed = laws.permittivity(frequency, values["kappa_static"], values["kappa_infinity"],
                                     values["relaxation_time"], values["cole_cole_exponent"])  # fmt: skip
@@ -210,10 +196,10 @@ class ClutchModel:
         force, width = np.broadcast_arrays(np.atleast_1d(np.asarray(force, float)), np.asarray(width, float))
         fixture = self.bench.fixture
         conditions = _fixture_conditions(width, fixture.meter_frequency)
-        values, draws = rows.broadcast_parameters(self.parameters, parameters or {}, len(conditions))
-        rows.refuse_outside(self.parameters, values)
-        sockets = rows.fill_sockets(self.bench, conditions, values, self.effects)
-        table = rows.fill_rows(
+        values, draws = fill.broadcast_parameters(self.parameters, parameters or {}, len(conditions))
+        fill.refuse_outside(self.parameters, values)
+        sockets = fill.fill_sockets(self.bench, conditions, values, self.effects)
+        table = fill.fill_rows(
             self.bench, conditions, values, sockets, "none", False, self.roughness_cut, draws
         )
         table["contact_scale"] *= fixture.overlap_length / self.bench.pad.overlap_length
@@ -242,6 +228,21 @@ class ClutchModel:
         one = conditions.select(np.array([run_index]))
         table, _ = self.rows(one, {n: _of_run(v, run_index) for n, v in (parameters or {}).items()})
         return run_history(table[0, 0], np.asarray(time, dtype=float), capacity_factors, self.tolerance)
+
+
+def _of_draws(values: fill.Values, share: slice) -> fill.Values:
+    return {name: value if value.shape[0] == 1 else value[share] for name, value in values.items()}
+
+
+def _joined(pieces: Sequence[Prediction]) -> Prediction:
+    def join(parts: Sequence[Mapping[str, NDArray]]) -> dict[str, NDArray]:
+        return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+
+    return Prediction(
+        values=join([piece.values for piece in pieces]),
+        status=join([piece.status for piece in pieces]),
+        state=join([piece.state for piece in pieces]),
+    )
 
 
 def _inside(value: FloatArray, parameter: Parameter) -> NDArray[np.bool_]:
