@@ -27,6 +27,12 @@ def test_later_files_win_key_by_key_and_overrides_win_over_all(tmp_path: Path) -
     )
 
 
+def test_texts_within_braces_on_the_command_line_are_read() -> None:
+    config = load_config((), {"observables": {"batch_size": "7", "preload_bin_edges_n": ["0.5", "1e0"]}})
+    assert config["observables"]["batch_size"] == 7
+    assert config["observables"]["preload_bin_edges_n"] == [0.5, 1.0]
+
+
 def test_a_relative_path_belongs_to_the_file_that_states_it(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

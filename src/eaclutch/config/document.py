@@ -108,6 +108,18 @@ def text_keys(value: Any) -> Any:
     return value
 
 
+def read_scalars(value: Any) -> Any:
+    """``value`` with the texts inside its mappings and lists read as YAML scalars (``{a: "1"}`` to ``{a: 1}``).
+
+    Snakemake hands on what stands within the braces of ``--config key={...}`` as text.
+    """
+    if isinstance(value, Mapping):
+        return {key: read_scalars(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [read_scalars(item) for item in value]
+    return yaml.load(value, Loader=_Loader) if isinstance(value, str) else value
+
+
 def check(document: Any, schema: str, where: object) -> None:
     """Raise an InputError for the worst departure of ``document`` from the schema, naming the key."""
     for key, number in _numbers(document):

@@ -15,10 +15,12 @@ Written from `workflow/schemas/config.schema.yaml` by `eaclutch config-readme`; 
 * `config.yaml`: the default, a small campaign that this project's own simulator made (`data/README.md`).
 * `published.yaml`: the recordings of Rauf & Follmer (2025), in a folder that you name.
 * `rig.yaml`: a live rig on a serial port.
+* `quick.yaml`: short sampling and few candidates, on top of another config, for a first look.
 
-`snakemake --cores all --configfile config/published.yaml mine.yaml --config campaign=<folder>`: later files win, `--config` wins
-over all. A relative path belongs to the file that states it; on the command line, to the working directory. Configs are trusted like
-code: Snakemake runs Python in a file that asks for it. Campaign folders are not trusted.
+`snakemake --cores all --configfile config/published.yaml mine.yaml --config campaign=<folder>`: later files win,
+`--config` wins over all. A relative path belongs to the file that states it; on the command line, to the working
+directory. Configs are trusted like code: Snakemake runs Python in a file that asks for it. Campaign folders are not
+trusted.
 
 | key | default | values | meaning |
 |---|---|---|---|

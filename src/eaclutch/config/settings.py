@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from eaclutch.config.document import check, load_schema, read_yaml, text_keys, with_defaults
+from eaclutch.config.document import check, load_schema, read_scalars, read_yaml, text_keys, with_defaults
 from eaclutch.records import InputError
 
 _PACKAGE = Path(__file__).resolve().parents[1]
@@ -36,7 +36,10 @@ def load_config(
         _check(document, path)
         merged = _merge(merged, _resolved(document, schema, path.resolve().parent))
     if overrides:
-        document = text_keys(dict(overrides))
+        document = {
+            str(key): text_keys(read_scalars(value)) if isinstance(value, Mapping) else value
+            for key, value in overrides.items()
+        }
         _check(document, "--config")
         merged = _merge(merged, _resolved(document, schema, Path.cwd()))
     config = with_defaults(merged, schema)
