@@ -19,7 +19,7 @@ def observable(name: str, result: Mapping[str, FloatArray], table: NDArray[np.vo
     if name == "shear_capacity_n":
         return result["capacity"] - before
     if name == "switch_off_force_n":
-        return result["switch_off"].copy()
+        return result["own_switch_off"].copy()  # also where the release starts from a measured one
     if name == "start_ratio":
         return (result["switch_off"] - result["final"]) / (result["capacity"] - result["final"])
     if name == "slip_fraction":

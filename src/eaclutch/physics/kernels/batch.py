@@ -19,6 +19,7 @@ from eaclutch.physics.tables import Tables
 RESULTS = (
     "preload", "gap_before", "gap_driven", "capacity", "switch_off", "slip_fraction", "ramp", "ramp_early",
     "ramp_late", "engagement", "release_10", "release_50", "release_90", "final",
+    "own_switch_off",
 )  # fmt: skip
 STATUSES = ("capacity", "engagement", "release")
 WORTH_SHARING = 20_000.0  # us of work
@@ -40,7 +41,9 @@ def steady(p, tables, out, status):
     if kind == PULL_IN:
         status[:] = PULL_IN
         return False
-    status[0], out[3], out[4], out[5], out[6], out[7], out[8] = driven_run(p, gap, gap_before, tables)
+    status[0], out[3], out[4], out[5], out[6], out[7], out[8], out[14] = driven_run(
+        p, gap, gap_before, tables
+    )
     return True
 
 

@@ -63,7 +63,8 @@ def ramp_slope(start, top, bottom, rate, t0, t1):
 
 @compiled
 def driven_run(p, gap, gap_before, tables):
-    """(status, largest force, force at switch-off, slip fraction, (ramp, early, late) slopes) [N, N, 1, N/s].
+    """(status, largest force, force at switch-off, slip fraction, ramp slope, early, late, the model's own force at
+    switch-off) [N, N, 1, N/s, N].
 
     The force climbs from the friction before. Where the measured force at switch-off is not given the model's is
     used: on the ramp while it has not slipped, after that bottom + slip_phase (top - bottom): the static
@@ -81,9 +82,10 @@ def driven_run(p, gap, gap_before, tables):
     else:
         largest = max(static, start)
         switch_off = bottom + p.slip_phase * (static - bottom)
+    own = switch_off
     if not math.isnan(p.switch_off_force):
         switch_off = p.switch_off_force
     ramp = ramp_slope(start, static, bottom, rate, 2e-3, 20e-3)
     early = ramp_slope(start, static, bottom, rate, 0.5e-3, 5e-3)
     late = ramp_slope(start, static, bottom, rate, 50e-3, 200e-3)
-    return status, largest, switch_off, (static - bottom) / static, ramp, early, late
+    return status, largest, switch_off, (static - bottom) / static, ramp, early, late, own
