@@ -14,6 +14,8 @@ from eaclutch.rig.swing import Swing, fit_swing
 
 HEADER = ("Time", "Load Cell", "Moving Forward")
 LONGEST = 500_000  # samples
+ABSURD = 1e12  # us, no record gets there
+LARGEST_FORCE = 1000.0  # N, no load cell of this bench gets there
 BAND = (350.0, 1200.0)  # Hz
 AVERAGING = 0.002  # s of the envelope
 APART = 0.2  # s between two bursts at least
@@ -36,7 +38,7 @@ def read_bursts(campaign: Campaign) -> BurstFeatures:
 def bursts_of(path: Path) -> list[Swing]:
     """The clear bursts of one step response. Raises InputError for a file that is none."""
     table, _ = read_csv_columns(path, HEADER, longest=LONGEST)
-    table = table[np.isfinite(table[:, :2]).all(axis=1)]
+    table = table[(np.abs(table[:, :2]) < (ABSURD, LARGEST_FORCE)).all(axis=1)]
     if len(table) < 1000:
         raise InputError(path.name, f"{len(table)} rows are no step response", "remove the file")
     time, force = table[:, 0] * 1e-6, table[:, 1]
@@ -46,7 +48,9 @@ def bursts_of(path: Path) -> list[Swing]:
         raise InputError(f"{path.name}, row {row}", "Time is no time in us", "check the columns' order")
     sections = butter(2, BAND, "bandpass", fs=1 / step, output="sos")
     swing = sosfiltfilt(sections, force)
-    envelope = np.sqrt(uniform_filter1d(swing**2, max(3, round(AVERAGING / step))))
+    # a running mean of squares is negative by rounding behind a large value
+    power = uniform_filter1d(swing**2, max(3, round(AVERAGING / step)))
+    envelope = np.sqrt(np.maximum(power, 0.0))
     noise = float(np.median(np.abs(np.diff(force))) * 1.4826 / np.sqrt(2))
     peaks, _ = find_peaks(envelope, height=STANDS_OUT * np.median(envelope), distance=round(APART / step))
     found = []

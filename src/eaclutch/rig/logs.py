@@ -18,6 +18,7 @@ __all__ = ["EXTENSIONS", "HEADER", "log_name", "parse_log_name", "read_log", "ru
 
 HEADER = ("Time", "Load Cell", "Moving Forward", "Relay Output")
 SHORTEST = 100  # samples; less is no run
+ABSURD = 1e12  # no column of a run gets there, in any unit that a rig logs
 LONGEST = 500_000  # samples: twice what the rig can hold
 
 
@@ -38,6 +39,11 @@ def read_log(path: Path | str) -> Recording:
         raise InputError(
             path.name, f"{len(table)} rows are no run", "record the run again or remove the file"
         )
+    with np.errstate(invalid="ignore"):  # a signalling NaN
+        bad = ~(np.abs(table) < ABSURD)
+    if bad.any():
+        table = np.where(bad, np.nan, table)
+        flags = (*flags, "bad_cells") if "bad_cells" not in flags else flags
     _check(path.name, table)
     time, force, flag, voltage = np.ascontiguousarray(table.T)
     return Recording(settings, time * 1e-6, force, flag, voltage, flags)
@@ -92,7 +98,8 @@ def _read_npy(path: Path) -> np.ndarray:
             if shape[0] > LONGEST:
                 raise InputError(path.name, f"{shape[0]} rows, the rig holds 250000", "split the recording")
             stream.seek(0)
-            return np.load(io.BytesIO(stream.read()), allow_pickle=False)
+            longest = 64 * 1024 + 32 * shape[0]  # what follows the array is not looked at
+            return np.load(io.BytesIO(stream.read(longest)), allow_pickle=False)
     except InputError:
         raise
     except OSError as error:

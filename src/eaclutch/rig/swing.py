@@ -45,6 +45,8 @@ def fit_swing(time: FloatArray, force: FloatArray, noise_sd: float) -> Swing | N
         return (force - basis @ np.linalg.lstsq(basis, force, rcond=None)[0]) / noise_sd
 
     grid = 2 * np.pi * np.arange(BAND[0], BAND[1], 0.35 / span)
+    if len(grid) == 0:
+        return None
     cost = [np.sum(residual(np.array([w, 0.03])) ** 2) for w in grid]
     start = np.array([grid[int(np.argmin(cost))], 0.03])
     low, high = np.array([0.9 * 2 * np.pi * BAND[0], 1e-4]), np.array([1.1 * 2 * np.pi * BAND[1], 0.5])

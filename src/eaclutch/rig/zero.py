@@ -47,4 +47,4 @@ def find_zero(time: FloatArray, force: FloatArray, on: float) -> Estimate:
     slope = np.polyfit(np.arange(len(blocks)), blocks, 1)[0] * len(blocks)
     if scatter > 3.0 * white + 0.003 or abs(slope) > 0.15 * (friction - low):
         return NO_ZERO
-    return Estimate(float(flat.mean()), max(scatter, white) / np.sqrt(len(blocks)))
+    return Estimate(float(flat.mean()), (scatter if scatter > 1.5 * white else white) / np.sqrt(len(blocks)))

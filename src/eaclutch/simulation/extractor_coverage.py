@@ -12,8 +12,13 @@ from scipy.ndimage import uniform_filter1d
 
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import Bench, Recording
+from eaclutch.rig.columns_in_step import sample_spacing
 from eaclutch.rig.extract import extract
 from eaclutch.rig.observables import OBSERVABLES
+from eaclutch.rig.observables.hold import CREEP_WINDOW, SHORTEST_CREEP, STAGE_SETTLING
+from eaclutch.rig.observables.ringdown import END, START
+from eaclutch.rig.observables.slip import CLEAR, slips
+from eaclutch.rig.swing import fit_swing
 from eaclutch.simulation.campaign import conditions_of, settings_of
 from eaclutch.simulation.drive_signal import clock, half_wave
 from eaclutch.simulation.noise import BenchNoise
@@ -23,20 +28,21 @@ from eaclutch.simulation.run import record_run
 VOLTAGES = (150.0, 200.0, 250.0, 300.0)
 FREQUENCIES = (0.1, 1.0, 10.0, 100.0, 1000.0, 5000.0)
 PRELOADS = (0.1, 0.5, 1.0)  # N
-START = datetime(2030, 1, 1, 9)
+FIRST_RUN = datetime(2030, 1, 1, 9)
 
 
 def clean_noise(noise: BenchNoise) -> BenchNoise:
     """The same bench with nothing added to the force; what scatters from run to run and slip to slip stays."""
-    return replace(
-        noise, white=0.0, mains_amplitude=0.0, lines=(), pickup=0.0, pickup_rising=0.0, pickup_falling=0.0, force_count=0.0
-    )  # fmt: skip
+    nothing = dict.fromkeys(
+        ("white", "mains_amplitude", "pickup", "pickup_rising", "pickup_falling", "force_count"), 0.0
+    )
+    return replace(noise, lines=(), **nothing)
 
 
-def truth_of(clean: Recording, on: float, off: float) -> dict[str, float]:
-    """The observables of a noiseless recording by their definitions, ``on`` and ``off`` [s] being known exactly.
+def truth_of(clean: Recording, on: float, off: float, stage_stop: float, noise_sd: float) -> dict[str, float]:
+    """The observables of a noiseless recording by their definitions, the instants [s] being known exactly.
 
-    Those without a definition in closed form (slips, swings, ratios) are not among them.
+    ``noise_sd`` [N]: one sample's noise in the recording it is compared with, which says what counts as a swing.
     """
     time, force = clean.time, clean.force
 
@@ -64,6 +70,16 @@ def truth_of(clean: Recording, on: float, off: float) -> dict[str, float]:
     }
     found["start_ratio"] = (held - final) / (found["shear_capacity_n"] + friction - final)
     after = (time >= off - 0.002) & (time < off + 0.03)
+    stop = max(off - CREEP_WINDOW, stage_stop + STAGE_SETTLING)
+    if off - stop >= SHORTEST_CREEP:
+        found["hold_creep_n_s"] = slope(stop, off)
+    step = sample_spacing(time)
+    level, drops, _ = slips(force[(time >= on + CLEAR) & (time < off - CLEAR)], step)
+    found["slip_fraction"] = float(drops.max() / level[np.argmax(drops)])
+    ringing = (time >= off + START) & (time < off + END)
+    swing = fit_swing(time[ringing], force[ringing], noise_sd)
+    if swing is not None:
+        found["ringdown_frequency_hz"], found["ringdown_damping_ratio"] = swing.frequency, swing.damping_ratio
     fine = np.arange(off, off + 0.02, 1e-6)
     falling = CubicSpline(time[after], force[after])(fine)
     for share in (0.1, 0.5, 0.9):
@@ -81,7 +97,7 @@ def compare(count: int, bench: Bench, noise: BenchNoise, rng: np.random.Generato
     values = {name: float(parameter.default) for name, parameter in model.parameters.items()}
     planned = tuple(
         PlannedRun(
-            START + timedelta(minutes=i),
+            FIRST_RUN + timedelta(minutes=i),
             float(rng.choice(VOLTAGES)),
             float(rng.choice(FREQUENCIES)),
             float(rng.choice(widths)),
@@ -102,7 +118,8 @@ def compare(count: int, bench: Bench, noise: BenchNoise, rng: np.random.Generato
 
         clean, logged = record(clean_noise(noise), 0.0), record(noise, zero)
         on, off = _edges(timing, run, settings.speed, np.random.default_rng(seed))
-        truth, found = truth_of(clean, on, off), extract(logged, bench)
+        truth = truth_of(clean, on, off, on + timing.travel / settings.speed, noise.white)
+        found = extract(logged, bench)
         if "no_zero" in found["flags"]:
             for name in ("friction_before_n", "switch_off_force_n", "final_force_n"):
                 truth[name] += zero

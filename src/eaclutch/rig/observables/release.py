@@ -15,9 +15,10 @@ from eaclutch.rig.run_view import RunView
 LOOK = 0.02  # s after the voltage fell in which the force must have gone its way
 LEAD = 8  # samples before, at which the force stands at its level
 LEAST_DROP = 4.0  # standard deviations of one sample
+LEAST_LEVEL = 1.5  # standard deviations of the smoothed force between a level and the end of the way
 DRAWS = 64
 CLEAR = 0.1  # of the way: a level is passed for good when the force is that far below
-BRIDGE = 0.09  # of the time under the pick-up: sd of a passing there, which the line across only guesses
+BRIDGE = 0.06  # of the time under the pick-up: sd of a passing there, which the line across only guesses
 SHARES = (0.1, 0.5, 0.9)
 
 
@@ -50,15 +51,19 @@ def release_times(run: RunView) -> dict[float, Estimate]:
     level = start.value + start.sd * even[(5 * np.arange(DRAWS)) % DRAWS]
     end = final.value + final.sd * even[(11 * np.arange(DRAWS)) % DRAWS]
     _, drawn = passing(smooth + noise.windows(len(time), DRAWS), level, end)
+    noise_left = noise.white_sd * math.sqrt(float(np.sum(weights**2)))
     under = _hidden_span(time, hidden)
     found = {}
     for share, times, first in zip(SHARES, drawn, passed[:, 0], strict=True):
         times = times[np.isfinite(times)]
+        if min(share, 1.0 - share) * drop < LEAST_LEVEL * noise_left:
+            found[share] = Estimate.missing("level_in_noise")
+            continue
         if not math.isfinite(first) or len(times) < 0.9 * DRAWS:
             found[share] = Estimate.missing("no_release")
             continue
         # what smoothing and noise do once more to the smoothed force, they have done to it before
-        value = 2.0 * first - float(np.mean(times))
+        value = max(0.0, 2.0 * first - float(np.mean(times)))
         bridge = BRIDGE * (under[1] - under[0]) if under[0] < value < under[1] else 0.0
         found[share] = Estimate(value, math.hypot(float(np.std(times)), events.off_sd, bridge))
     return found
