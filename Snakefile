@@ -13,6 +13,7 @@ include: "workflow/rules/predict.smk"
 include: "workflow/rules/diagnosis.smk"
 include: "workflow/rules/report.smk"
 include: "workflow/rules/studies.smk"
+include: "workflow/rules/blind.smk"
 
 
 wildcard_constraints:

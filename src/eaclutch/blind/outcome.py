@@ -64,7 +64,7 @@ def outcome(
         "wrong_name": bool(said - {"unknown"} - truth),
         "said_unknown": said == {"unknown"},
         "distance": answer["truth"]["distance_calibrated"],
-        "seconds": side.get("seconds"),
+        "seconds": (side.get("run") or {}).get("seconds"),
     }
     return row | _where(places, answer) | _closure(said, closure, answer) | _parameters(side, answer)
 

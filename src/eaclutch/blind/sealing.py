@@ -107,7 +107,7 @@ def entry_of(row: Mapping[str, Any]) -> Entry:
     return Entry(effects=effects, **fields)
 
 
-SIDES = ("parameters", "seconds")  # optional files beside a verdict
+SIDES = ("parameters", "run")  # optional files beside a verdict
 
 
 def freeze(verdicts: Path, cases: list[str]) -> dict[str, Any]:
@@ -151,8 +151,24 @@ def check_frozen(frozen: Mapping[str, Any], verdicts: Path) -> dict[str, dict[st
     }
 
 
+def record_opening(path: Path, frozen: list[dict[str, Any]]) -> dict[str, str]:
+    """What was frozen when the answers were first opened, {method: hash}; written the first time.
+
+    Raises InputError where a method of that time comes with other verdicts now.
+    """
+    hashes = {item["method"]: item["whole"] for item in frozen}
+    if not path.is_file():
+        write_secret(path, {"schema": 1, "methods": hashes})
+    first = dict(read_json(path)["methods"])
+    for method, whole in hashes.items():
+        if first.get(method, whole) != whole:
+            what = f"the answers were opened when {method} had other verdicts"
+            raise InputError(path, what, "seal a new benchmark for new verdicts")
+    return first
+
+
 def read_sides(verdicts: Path, cases: list[str]) -> dict[str, dict[str, Any]]:
-    """What lies beside the verdicts, by case: calibrated parameters and seconds, where a method gives them."""
+    """What lies beside the verdicts, by case: calibrated parameters and seconds, where given."""
     found: dict[str, dict[str, Any]] = {}
     for case in cases:
         paths = {side: verdicts / f"{case}.{side}.json" for side in SIDES}

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
+import logging
 from pathlib import Path
 
 import click
@@ -11,8 +13,7 @@ from eaclutch.blind import sealing
 from eaclutch.blind.generate import generate_case, write_tables
 from eaclutch.blind.plan import make_plan
 from eaclutch.blind.scoring import score
-from eaclutch.files import read_json, write_json
-from eaclutch.records import InputError
+from eaclutch.files import read_json, write_json, write_text
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 _FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -77,25 +78,34 @@ def seal(plan_file: Path, batch: int, cases: Path, commitments: Path, answers: P
 @click.option("--settings", default="{}", help="Config sections model, priors and diagnosis as JSON.")
 @click.option("--seed", type=int, default=1, show_default=True, help="Seed of simulated campaigns.")
 @click.option(
-    "--verdicts", type=_FOLDER, required=True, help="Folder for <case>.json (contract: diagnosis.json)."
+    "--code", default="", help="Hash of the diagnosing code: verdicts of another one are made anew."
 )
+@click.option("--verdicts", type=_FOLDER, required=True, help="Folder for <case>.json (as diagnosis.json).")
 @_output
 def diagnose(
-    commitments: Path, cases: Path, method: str, settings: str, seed: int, verdicts: Path, output: Path
+    commitments: Path,
+    cases: Path,
+    method: str,
+    settings: str,
+    seed: int,
+    code: str,
+    verdicts: Path,
+    output: Path,
 ) -> None:
-    """Diagnose a batch of sealed campaigns; verdicts that are there already are kept."""
+    """Diagnose a batch of sealed campaigns; verdicts that the same code left there are kept."""
     from eaclutch.cli.blind_methods import diagnose_case  # the other commands need no solver
 
     seconds = {}
+    mark = hashlib.sha256(f"{code}\n{settings}\n{seed}\n{method}".encode()).hexdigest()
     for case in sorted(read_json(commitments)["cases"]):
-        target = verdicts / f"{case}.json"
-        stamp = verdicts / f"{case}.seconds.json"
-        if not (target.is_file() and stamp.is_file()):
+        target, run = verdicts / f"{case}.json", verdicts / f"{case}.run.json"
+        if not (target.is_file() and run.is_file() and read_json(run).get("mark") == mark):
             document, parameters, elapsed = diagnose_case(cases / case, method, json.loads(settings), seed)
             write_json(verdicts / f"{case}.parameters.json", parameters)
             write_json(target, document)
-            write_json(stamp, elapsed)
-        seconds[case] = read_json(stamp)
+            write_json(run, {"seconds": elapsed, "mark": mark})
+            logging.info("%s: %s", case, document["verdict"]["effects"])
+        seconds[case] = read_json(run)["seconds"]
     write_json(output, {"schema": 1, "method": method, "seconds": seconds})
 
 
@@ -114,6 +124,9 @@ def freeze(verdicts: Path, commitments: tuple[Path, ...], output: Path) -> None:
 @click.option("--answers", type=_FILE, multiple=True, required=True, help="All batches' secret answers.")
 @click.option("--frozen", type=_FILE, multiple=True, required=True, help="Frozen hashes, one a method.")
 @click.option("--verdicts", type=_FOLDER, required=True, help="Folder with a folder of verdicts a method.")
+@click.option(
+    "--opened", type=_FILE, required=True, help="Record of what was frozen when answers were opened."
+)
 @click.option("--forecast", type=_FILE, help="confusion.json: the forecast beside which the outcome is put.")
 @_output
 def unseal(
@@ -121,20 +134,42 @@ def unseal(
     answers: tuple[Path, ...],
     frozen: tuple[Path, ...],
     verdicts: Path,
+    opened: Path,
     forecast: Path | None,
     output: Path,
 ) -> None:
-    """Check verdicts and answers against their hashes and score them, once."""
-    if output.exists():
-        raise InputError(output, "the benchmark is unsealed already", "seal a new one, or remove the score")
+    """Check verdicts and answers against their hashes and score them.
+
+    The first opening records the hashes: a method that was frozen by then cannot be scored with other verdicts
+    later, and one that comes later is marked so.
+    """
     hashes = [read_json(path) for path in frozen]
     found = {item["method"]: sealing.check_frozen(item, verdicts / item["method"]) for item in hashes}
-    opened = sealing.open_answers(list(commitments), list(answers))
+    first = sealing.record_opening(opened, hashes)
+    answered = sealing.open_answers(list(commitments), list(answers))
     levels = {case: row["level"] for path in commitments for case, row in read_json(path)["cases"].items()}
-    sides = {method: sealing.read_sides(verdicts / method, list(opened)) for method in found}
-    document = score(opened, found, sides, levels, read_json(forecast) if forecast else None)
-    document["frozen"] = {item["method"]: item["whole"] for item in hashes}
+    sides = {method: sealing.read_sides(verdicts / method, list(answered)) for method in found}
+    document = score(answered, found, sides, levels, read_json(forecast) if forecast else None)
+    for item in hashes:
+        document["methods"][item["method"]] |= {
+            "frozen": item["whole"],
+            "after_opening": item["method"] not in first,
+        }
     write_json(output, document)
+
+
+@blind.command("report")
+@click.option("--score", "score_file", type=_FILE, required=True, help="score.json of one size.")
+@click.option("--newest", type=_FILE, help="A second place for the page.")
+@_output
+def report(score_file: Path, newest: Path | None, output: Path) -> None:
+    """The benchmark's page, all of it from the score."""
+    from eaclutch.reporting.blind_page import blind_page  # the other commands draw nothing
+
+    page = blind_page(read_json(score_file))
+    for path in (output, newest):
+        if path is not None:
+            write_text(path, page)
 
 
 COMMANDS: list[click.Command] = [blind]
