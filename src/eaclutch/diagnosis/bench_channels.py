@@ -42,12 +42,20 @@ def summarise(
     spectra: Sequence[Spectrum],
     bursts: BurstFeatures | None,
     thresholds: Mapping[str, Any],
+    widths: Sequence[float] = (),
 ) -> BenchEntries:
-    """Thin the bench's data to entries; what is missing is said in ``notes``."""
+    """Thin the bench's data to entries; what is missing is said in ``notes``.
+
+    widths [m]: of the bench's substrates; readings on strips of another width come from another substrate with
+    another surface, and are left out (empty: all are used).
+    """
     scale = thresholds["length_scales"]
     rows: list[tuple] = []
     notes = []
     if readings is not None and len(readings.force):
+        readings, strange = _known_widths(readings, widths)
+        if strange:
+            notes.append(f"capacitance at {strange} mm left out: no substrate of this bench is that wide")
         rows += _capacitance(readings, scale)
     if not any(row[2] == "capacitance" for row in rows):
         notes.append("no capacitance readings: gap, contact stiffness and roughness rest on their priors")
@@ -92,6 +100,20 @@ def _capacitance(readings: CapacitanceReadings, scale: Mapping[str, float]) -> l
             rows.append((mean, sd, "capacitance", f"w{width:.6g}", force, width,
                          np.log(force) / scale["log_force"], np.log(width) / scale["log_width"]))  # fmt: skip
     return rows
+
+
+def _known_widths(readings: CapacitanceReadings, widths: Sequence[float]) -> tuple[CapacitanceReadings, str]:
+    """The readings at one of ``widths``, and the other widths [mm] as text."""
+    if not len(widths):
+        return readings, ""
+    known = np.min(np.abs(readings.width[:, None] - np.asarray(widths)), axis=1) < 1e-5
+    strange = ", ".join(f"{w * 1e3:g}" for w in np.unique(readings.width[~known]))
+    rows = np.flatnonzero(known)
+    kept = CapacitanceReadings(
+        readings.force[rows], readings.capacitance[rows], readings.width[rows],
+        tuple(readings.trial[i] for i in rows), tuple(readings.source[i] for i in rows),
+    )  # fmt: skip
+    return kept, strange
 
 
 def _trial_scatter(stacks: list[FloatArray]) -> float:

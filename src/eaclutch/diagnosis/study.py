@@ -71,7 +71,8 @@ class Study:
                 "runs.csv", "no usable run", "look at its flags and reasons; nothing can be diagnosed"
             )
         self.table = inputs.table[inputs.table["run"].isin(self.conditions.run)].reset_index(drop=True)
-        entries = bench_channels.summarise(inputs.readings, inputs.spectra, inputs.bursts, thresholds)
+        widths = [w for substrate in inputs.bench.substrates.values() for w in substrate.thickness]
+        entries = bench_channels.summarise(inputs.readings, inputs.spectra, inputs.bursts, thresholds, widths)
         cell = inputs.bench.load_cell
         rate = cell.stiffness.mean * inputs.bench.stage_speed
         quarter = 0.5 * np.pi * np.sqrt(cell.mass.mean / cell.stiffness.mean)
