@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import zipfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -51,7 +52,7 @@ def save(path: Path, checkpoint: Checkpoint, fingerprints: Mapping[str, str]) ->
 def load(path: Path, fingerprints: Mapping[str, str]) -> Checkpoint:
     """Read back; raises InputError that says which of data, code, prior or parameter order has changed."""
     try:
-        with np.load(path, allow_pickle=False) as stored:
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as stored:
             if int(stored["format"]) != FORMAT:
                 raise InputError(path, "is a checkpoint of another format", "delete it to start over")
             changed = _changed(json.loads(str(stored["fingerprints"])), fingerprints)
@@ -68,7 +69,7 @@ def load(path: Path, fingerprints: Mapping[str, str]) -> Checkpoint:
                 stored["chain"], stored["log_density"], states, stored["centres"], stored["roots"],
                 int(stored["evaluations"]),
             )  # fmt: skip
-    except (OSError, ValueError, KeyError, EOFError) as error:
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(path, "is not a readable checkpoint", "delete it to start over") from error

@@ -28,7 +28,7 @@ def refit_draws(problem: Problem, draws: int, rng: np.random.Generator) -> dict[
         theta = problem.priors.sample(rng, draws) if size else np.zeros((draws, 0))
     else:
         start = starting_walkers(problem.log_density, size, 4 * size, rng)
-        target = Target(start.mode, np.linalg.cholesky(start.covariance))
+        target = Target(start.mode, start.root)
         random = np.random.RandomState(rng.integers(2**31))
         u, _ = target.jump(np.zeros((PROPOSALS, size)), random)
         weights = problem.log_density(u) - target.log_density(u)

@@ -36,7 +36,7 @@ class Target:
     def of(cls, points: FloatArray) -> Target:
         """Fitted to points (points, params)."""
         covariance = np.atleast_2d(np.cov(points.T)) + 1e-12 * np.eye(points.shape[1])
-        return cls(points.mean(axis=0), WIDENING * np.linalg.cholesky(covariance))
+        return cls(points.mean(axis=0), np.asarray(WIDENING * np.linalg.cholesky(covariance)))
 
     def log_density(self, u: FloatArray) -> FloatArray:
         """Up to a constant, (points,)."""

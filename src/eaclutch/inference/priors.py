@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import ndtr, ndtri
 
 from eaclutch.physics.effect import Parameter, Prior
@@ -27,7 +28,8 @@ class _Base:
 
     prior: Prior
 
-    def z(self, theta: FloatArray) -> FloatArray:
+    def z(self, value: ArrayLike) -> FloatArray:
+        theta: FloatArray = np.asarray(value, dtype=float)
         a, b = self.prior.a, self.prior.b
         with np.errstate(divide="ignore", invalid="ignore"):
             match self.prior.distribution:
@@ -62,7 +64,7 @@ class _Base:
     def gaussian(self) -> bool:
         return self.prior.distribution in ("normal", "lognormal", "halfnormal")
 
-    def cdf(self, z: FloatArray) -> FloatArray:
+    def cdf(self, z: ArrayLike) -> FloatArray:
         return ndtr(z) if self.gaussian else np.clip(z, 0.0, 1.0)
 
     def quantile(self, p: FloatArray) -> FloatArray:
@@ -107,10 +109,10 @@ class _Truncated:
         lo, hi = parameter.bounds
         if parameter.prior.distribution == "halfnormal":
             lo = max(lo, 0.0)
-        low, high = float(base.z(np.float64(lo))), float(base.z(np.float64(hi)))
+        low, high = float(base.z(lo)), float(base.z(hi))
         if not base.gaussian:
             low, high = max(low, 0.0), min(high, 1.0)
-        mass = float(base.cdf(np.float64(high)) - base.cdf(np.float64(low)))
+        mass = float(base.cdf(high)) - float(base.cdf(low))
         if not mass > 1e-12:
             raise InputError(
                 f"priors.{parameter.name}",
@@ -129,7 +131,7 @@ class _Truncated:
                 p = ndtr(-self.high) + self.mass_above * ndtr(-u)
                 z = -ndtri(p)
             else:
-                z = self.base.quantile(self.base.cdf(np.float64(self.low)) + self.mass * ndtr(u))
+                z = self.base.quantile(float(self.base.cdf(self.low)) + self.mass * ndtr(u))
         return np.clip(self.base.theta(z), *self.parameter.bounds)
 
     @property
@@ -143,7 +145,7 @@ class _Truncated:
         if self.base.gaussian and self.low > 0:
             p = (ndtr(-z) - ndtr(-self.high)) / self.mass_above
             return np.clip(-ndtri(p), -FARTHEST, FARTHEST)
-        p = (self.base.cdf(z) - self.base.cdf(np.float64(self.low))) / self.mass
+        p = (self.base.cdf(z) - float(self.base.cdf(self.low))) / self.mass
         return np.clip(ndtri(p), -FARTHEST, FARTHEST)
 
     def log_density(self, theta: FloatArray) -> FloatArray:

@@ -23,7 +23,8 @@ class Problem:
 
     log_likelihood(theta) -> (draws,), -inf where theta cannot be. ``None``: no data, the posterior is the prior.
     pointwise(theta) -> (draws, points): log density of each datum given all the others (and theta).
-    predictive(theta, rng) -> (draws, points): replicated data. observed (points,): the data, in ``data_unit``,
+    predictive(theta, rng, posterior) -> (draws, points): replicated data;
+    ``posterior`` False: theta are prior draws. observed (points,): the data, in ``data_unit``,
     with coordinates ``coords`` {name: (points,)}. derived(theta, rng) -> {name: (draws,)}: further variables
     of the posterior (marginalised levels drawn again, constants). ``notes``: what a reader must know.
     ``fingerprint``: hashes of data, model and settings by name; ``sampled`` hyperparameters are part of priors.
@@ -33,7 +34,7 @@ class Problem:
     priors: Priors
     log_likelihood: Callable[[FloatArray], FloatArray] | None = None
     pointwise: Callable[[FloatArray], FloatArray] | None = None
-    predictive: Callable[[FloatArray, np.random.Generator], FloatArray] | None = None
+    predictive: Callable[..., FloatArray] | None = None
     observed: FloatArray | None = None
     data_name: str = "y"
     data_unit: str = "1"

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import emcee
 import numpy as np
@@ -116,8 +117,8 @@ def _begin(problem: Problem, settings: SamplerSettings, seed: int) -> Checkpoint
     warm = []
     for sequence in np.random.SeedSequence(seed).spawn(settings.ensembles):
         start = starting_walkers(problem.log_density, size, walkers, np.random.default_rng(sequence))
-        random = np.random.RandomState(np.random.MT19937(sequence.spawn(1)[0])).get_state()
-        target = Target(start.mode, np.linalg.cholesky(start.covariance))
+        random: Any = np.random.RandomState(np.random.MT19937(sequence.spawn(1)[0])).get_state()
+        target = Target(start.mode, start.root)
         position, density = start.walkers, problem.log_density(start.walkers)
         for _ in range(2):  # the second half of each pass gives the next target
             chain, densities, random = _run(problem, position, density, random, target, WARM_UP // 2)
@@ -149,7 +150,7 @@ def _extend(problem: Problem, state: Checkpoint, steps: int) -> Checkpoint:
 
 
 def _run(
-    problem: Problem, position: FloatArray, density: FloatArray, random: tuple, target: Target, steps: int
+    problem: Problem, position: FloatArray, density: FloatArray, random: Any, target: Target, steps: int
 ) -> tuple[FloatArray, FloatArray, tuple]:
     """One ensemble: chain (steps, walkers, params), log density (steps, walkers), the generator's state after it."""
     sampler = emcee.EnsembleSampler(*position.shape, problem.log_density, moves=moves(target), vectorize=True)

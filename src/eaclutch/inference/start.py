@@ -19,7 +19,7 @@ STEP = 1e-4
 class Start:
     walkers: FloatArray  # (walkers, params) in normal coordinates, all of finite density
     mode: FloatArray
-    covariance: FloatArray
+    root: FloatArray  # Cholesky root of the covariance at the mode
     evaluations: int
 
 
@@ -52,14 +52,14 @@ def starting_walkers(
     best = trial[np.argmax(np.where(np.isfinite(values), values, -np.inf))]
     found = minimize(cost, best, jac=True, method="L-BFGS-B", options={"maxiter": 200})
     covariance = _covariance(density, found.x)
-    root = np.linalg.cholesky(covariance)
+    root: FloatArray = np.asarray(np.linalg.cholesky(covariance))
     placed = found.x + OVERDISPERSION * rng.standard_normal((walkers, size)) @ root.T
     for _ in range(60):  # pull walkers of no density towards the mode
         lost = ~np.isfinite(density(placed))
         if not lost.any():
             break
         placed[lost] = found.x + 0.7 * (placed[lost] - found.x)
-    return Start(placed, found.x, covariance, evaluations)
+    return Start(placed, found.x, root, evaluations)
 
 
 def _covariance(density: Callable[[FloatArray], FloatArray], u: FloatArray) -> FloatArray:

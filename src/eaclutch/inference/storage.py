@@ -12,6 +12,7 @@ import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -34,7 +35,7 @@ class StoredPosterior:
     prior_sd: Mapping[str, float]
     source: str
     converged: bool | None
-    attributes: Mapping[str, object]
+    attributes: Mapping[str, Any]
 
 
 def thin(chain: FloatArray, draws: int) -> FloatArray:
@@ -76,13 +77,19 @@ def inference_data(
         coords = {"point": np.arange(points)}
         few = prior_flat[:: max(settings.ensembles, 1)]
         groups["posterior_predictive"] = {name: problem.predictive(flat, rng).reshape(*shape, points)}
-        groups["prior_predictive"] = {name: problem.predictive(few, rng).reshape(1, len(few), points)}
+        groups["prior_predictive"] = {
+            name: problem.predictive(few, rng, posterior=False).reshape(1, len(few), points)
+        }
         groups["log_likelihood"] = {name: problem.pointwise(flat).reshape(*shape, points)}
         groups["observed_data"] = {name: problem.observed}
         groups["constant_data"] = {key: np.asarray(value) for key, value in problem.coords.items()}
         dims |= {key: ["point"] for key in problem.coords}
     data = arviz.from_dict(
-        **groups, dims=dims, coords=coords, attrs=_attributes(problem, sampled), save_warmup=False
+        **groups,  # type: ignore[arg-type]
+        dims=dims,
+        coords=coords,
+        attrs=_attributes(problem, sampled),
+        save_warmup=False,
     )
     units = {p.name: p.unit for p in priors.parameters} | dict(problem.derived_units)
     for group in ("posterior", "prior"):
@@ -146,8 +153,8 @@ def read(path: Path) -> arviz.InferenceData:
 def load(path: Path) -> StoredPosterior:
     """A stage's draws and what is known about them."""
     data = read(path)
-    attributes = dict(data.attrs or data.posterior.attrs)
-    group = data.posterior
+    attributes = dict(data.attrs or data["posterior"].attrs)
+    group = data["posterior"]
     draws = {str(name): np.asarray(values).reshape(-1) for name, values in group.data_vars.items()}
     units = {str(name): str(values.attrs.get("unit", "1")) for name, values in group.data_vars.items()}
     converged = {"true": True, "false": False}.get(str(attributes["converged"]))

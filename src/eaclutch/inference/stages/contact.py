@@ -203,7 +203,7 @@ def contact_problem(
             data - mean, sensitivity, noise, theta[:, head + 2], theta[:, head + 1], film.sd, design
         )
 
-    def predictive(theta: FloatArray, rng: np.random.Generator) -> FloatArray:
+    def predictive(theta: FloatArray, rng: np.random.Generator, posterior: bool = True) -> FloatArray:
         mean, sensitivity, noise = terms(theta)
         return mean + replicate(
             sensitivity, noise, theta[:, head + 2], theta[:, head + 1], film.sd, design, rng

@@ -81,7 +81,7 @@ def dielectric_problem(
                 result[draw, a:b] = 0.5 * np.log(diagonal / (2 * np.pi)) - 0.5 * diagonal * gap**2
         return result
 
-    def predictive(theta: FloatArray, rng: np.random.Generator) -> FloatArray:
+    def predictive(theta: FloatArray, rng: np.random.Generator, posterior: bool = True) -> FloatArray:
         result = np.empty((len(theta), len(data)))
         for draw, (shape, noise, spread) in enumerate(zip(*split(theta), strict=True)):
             for a, b in itertools.pairwise(starts):

@@ -107,29 +107,46 @@ def force_problem(
         value = cell_likelihood(residual, factors, variance, theta[:, head], theta[:, head + 1], cells)
         return np.where(np.isfinite(share), value + share, -np.inf)
 
-    def dense(theta: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Residuals (draws, runs) and covariances (draws, runs, runs)."""
+    def dense(theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Residuals (draws, runs), factors (draws, factors, runs) and covariances (draws, runs, runs)."""
         residual, factors, variance, _ = parts(theta)
         levels = theta[:, head, None, None] ** 2 * cells.same_session
         levels = levels + theta[:, head + 1, None, None] ** 2 * cells.same_condition
         total = np.einsum("dqr,dqs->drs", factors, factors) + levels
         rows = np.arange(len(observed))
         total[:, rows, rows] += variance
-        return residual, total
+        return residual, factors, total
 
     def pointwise(theta: FloatArray) -> FloatArray:
         result = np.empty((len(theta), len(observed)))
         for piece in np.array_split(np.arange(len(theta)), max(len(theta) // 50, 1)):
-            residual, total = dense(theta[piece])
+            residual, _, total = dense(theta[piece])
             precision = np.linalg.inv(total)
             weight = np.einsum("drr->dr", precision)
             gap = np.einsum("drs,ds->dr", precision, residual) / weight
             result[piece] = 0.5 * np.log(weight / (2 * np.pi)) - 0.5 * weight * gap**2
         return result
 
-    def predictive(theta: FloatArray, rng: np.random.Generator) -> FloatArray:
+    def moved_scores(theta: FloatArray, rng: np.random.Generator) -> tuple[np.ndarray, FloatArray]:
+        """Nuisance draws (their numbers) and their scores as the capacities move them, jointly with theta.
+
+        Matheron's rule: a draw of z plus the gain times what its own simulated data miss; exact where z is Gaussian.
+        """
+        which = rng.integers(0, response.draws, len(theta))
+        moved = np.empty((len(theta), response.rank))
+        for piece in np.array_split(np.arange(len(theta)), max(len(theta) // 50, 1)):
+            residual, factors, total = dense(theta[piece])
+            rest = total - np.einsum("dqr,dqs->drs", factors, factors)
+            noise = np.einsum("drs,ds->dr", np.linalg.cholesky(rest), rng.standard_normal(residual.shape))
+            z = response.z[which[piece]]
+            innovation = residual - np.einsum("dq,dqr->dr", z, factors) - noise
+            weight = np.linalg.solve(total, innovation[..., None])[..., 0]
+            moved[piece] = z + np.einsum("dqr,dr->dq", factors, weight)
+        return which, moved
+
+    def predictive(theta: FloatArray, rng: np.random.Generator, posterior: bool = True) -> FloatArray:
         residual, factors, variance, _ = parts(theta)
-        z = rng.standard_normal(factors.shape[:2])
+        z = moved_scores(theta, rng)[1] if posterior else rng.standard_normal(factors.shape[:2])
         value = observed - residual + np.einsum("dq,dqr->dr", z, factors)
         value += np.sqrt(variance) * rng.standard_normal(variance.shape)
         sessions = rng.standard_normal((len(theta), cells.sessions)) * theta[:, head, None]
@@ -138,18 +155,7 @@ def force_problem(
 
     def derived(theta: FloatArray, rng: np.random.Generator) -> dict[str, FloatArray]:
         """Nuisance draws moved by the capacities (joint with theta)."""
-        which = rng.integers(0, response.draws, len(theta))
-        moved = np.empty((len(theta), response.rank))
-        for piece in np.array_split(np.arange(len(theta)), max(len(theta) // 50, 1)):
-            residual, factors, _, _ = parts(theta[piece])
-            _, total = dense(theta[piece])
-            rest = total - np.einsum("dqr,dqs->drs", factors, factors)
-            noise = np.einsum("drs,ds->dr", np.linalg.cholesky(rest), rng.standard_normal(residual.shape))
-            z = response.z[which[piece]]
-            innovation = residual - np.einsum("dq,dqr->dr", z, factors) - noise
-            weight = np.linalg.solve(total, innovation[..., None])[..., 0]
-            moved[piece] = z + np.einsum("dqr,dr->dq", factors, weight)
-        return response.nuisances(which, moved)
+        return response.nuisances(*moved_scores(theta, rng))
 
     return Problem(
         "force", priors, log_likelihood, pointwise, predictive, observed,

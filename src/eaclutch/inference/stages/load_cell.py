@@ -46,7 +46,7 @@ def load_cell_problem(bursts: BurstFeatures | None, parameters: Mapping[str, Par
         mean, variance = moments(theta)
         return -0.5 * ((data - mean) ** 2 / variance + np.log(2 * np.pi * variance))
 
-    def predictive(theta: FloatArray, rng: np.random.Generator) -> FloatArray:
+    def predictive(theta: FloatArray, rng: np.random.Generator, posterior: bool = True) -> FloatArray:
         mean, variance = moments(theta)
         return mean + np.sqrt(variance) * rng.standard_normal(mean.shape)
 
