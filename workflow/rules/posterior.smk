@@ -10,14 +10,19 @@ STAGE_INPUTS = {
 }
 # A prior of another stage's parameter does not rerun a stage; the force stage owns those that no other has.
 STAGE_PARAMETERS = {
-    "contact": {"contact_stiffness", "roughness_sd", "stray_capacitance", "film_thickness"},
-    "dielectric": {"kappa_static", "kappa_infinity", "relaxation_time", "cole_cole_exponent"},
-    "load_cell": {"stiffness", "mass", "damping"},
+    "contact": {
+        "contact_stiffness", "roughness_sd", "stray_capacitance", "film_thickness", "capacitance_noise", "trial_spread",
+        "width_spread",
+    },
+    "dielectric": {
+        "kappa_static", "kappa_infinity", "relaxation_time", "cole_cole_exponent", "spectrum_noise", "source_spread",
+    },
+    "load_cell": {"stiffness", "mass", "damping", "frequency_spread", "damping_spread"},
 }
 STAGE_PARAMETERS["force"] = set(CONFIG["priors"]) - set().union(*STAGE_PARAMETERS.values())
 STAGE_FOLDERS = {"contact": ["capacitance"], "dielectric": ["permittivity"], "load_cell": ["load_cell"], "force": []}
 STAGE_BENCH = {
-    "contact": ("pad", "film_density", "fixture"),
+    "contact": ("pad", "film_density", "fixture", "substrates"),
     "dielectric": ("fixture",),
     "load_cell": ("load_cell",),
     "force": ("pad", "film_density", "fixture", "substrates", "friction", "load_cell", "drive", "stage_speed"),
@@ -43,7 +48,7 @@ rule posterior:
             priors=STAGE_PARAMETERS[wildcards.stage],
         ),
         seed=lambda wildcards: seed("posterior", wildcards.stage),
-        code=lambda wildcards: code("inference.sampling", effects=EFFECTS_ON),
+        code=lambda wildcards: code("inference.posterior", effects=EFFECTS_ON),
     message:
         "posterior: sample {wildcards.stage}"
     shell:

@@ -17,7 +17,7 @@ rule predict:
         bench=bench(),
         settings=settings("model", "priors", "predict", "diagnosis.folds"),
         seed=seed("predict"),
-        code=code("physics.laws", effects=EFFECTS_ON),
+        code=code("inference.predict_campaign", effects=EFFECTS_ON),
     message:
         "predict: every run, from joint posterior draws"
     shell:

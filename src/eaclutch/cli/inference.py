@@ -33,10 +33,9 @@ from eaclutch.physics.effects import BASE
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.prediction import OBSERVABLES
 from eaclutch.provenance import code_hash
-from eaclutch.records import Bench
+from eaclutch.records import Bench, BurstFeatures
 from eaclutch.rig.campaign import open_campaign
 from eaclutch.rig.capacitance import read_capacitance
-from eaclutch.rig.load_cell import read_bursts
 from eaclutch.rig.spectra import read_spectra
 from eaclutch.rig.table import conditions_from_runs
 
@@ -69,6 +68,12 @@ def model_arguments(model: dict[str, Any]) -> dict[str, Any]:
 
 def _runs(results: Path) -> pd.DataFrame:
     return pd.read_csv(results / "runs.csv", dtype={"run": str, "flags": str, "reasons": str})
+
+
+def _bursts(results: Path) -> BurstFeatures:
+    table = pd.read_csv(results / "bursts.csv", dtype=float)
+    names = ("frequency_hz", "frequency_hz_sd", "damping_ratio", "damping_ratio_sd")
+    return BurstFeatures(*(table[name].to_numpy(float) for name in names))
 
 
 def capacity_data(runs: pd.DataFrame, bench: Bench) -> CapacityData | None:
@@ -106,7 +111,7 @@ def posterior(
     if stage == "dielectric":
         inputs |= {"spectra": read_spectra(opened), "spectra_weights": config["spectra_weights"]}
     elif stage == "load_cell":
-        inputs["bursts"] = read_bursts(opened)
+        inputs["bursts"] = _bursts(results)
     elif stage == "contact":
         readings = read_capacitance(opened)
         inputs["readings"] = readings if len(readings.force) else None
