@@ -12,6 +12,7 @@ from eaclutch.records import FloatArray
 BAND = (250.0, 1500.0)  # Hz
 CLEAR = 6.0  # amplitude over its standard uncertainty, below which there is no swing
 STRAY = 1.6  # times the noise that may be left
+OVER_AT_ONCE = 0.2  # damping ratio beyond which the force is gone within a turn: friction stopped it, no free swing
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ def fit_swing(time: FloatArray, force: FloatArray, noise_sd: float) -> Swing | N
     covariance = np.linalg.pinv(fit.jac.T @ fit.jac) * max(1.0, left) ** 2
     amplitude_sd = noise_sd * float(np.sqrt(np.linalg.pinv(basis.T @ basis)[2, 2]))
     unclear = amplitude < CLEAR * amplitude_sd * max(1.0, left) or left > STRAY
-    if unclear or zeta > 0.45 or not BAND[0] <= w / (2 * np.pi) <= BAND[1]:
+    if unclear or zeta > OVER_AT_ONCE or not BAND[0] <= w / (2 * np.pi) <= BAND[1]:
         return None
     sd = np.sqrt(np.diag(covariance))
     return Swing(w / (2 * np.pi), sd[0] / (2 * np.pi), float(zeta), float(sd[1]), amplitude)
