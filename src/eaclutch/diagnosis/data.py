@@ -51,6 +51,7 @@ class DataVector:
     average: sparse.csr_matrix
     bench: BenchEntries
     repeats: Mapping[str, RepeatVariance]
+    zero_unknown: np.ndarray  # (runs,) whether the load cell's zero is still in the run's forces
     groups: np.ndarray  # (runs,) label of each run's (condition, session)
     entry_group: np.ndarray  # (run entries,) the same of each entry
     run_values: FloatArray = field(repr=False)  # (channels, runs), comparison scale, NaN where unusable
@@ -106,6 +107,13 @@ def build(
         values.append(scaled)
     run_values = np.array(values).reshape(len(kept), len(conditions))
     return _assemble(conditions, tuple(kept), entries, bench, repeats, groups, run_values, thresholds, table)
+
+
+def zero_unknown(table: pd.DataFrame) -> np.ndarray:
+    """Runs (runs,) that do not show the load cell's zero: their forces still hold it (contract: observables)."""
+    if "flags" not in table:
+        return np.zeros(len(table), dtype=bool)
+    return np.array(["no_zero" in str(flags).split(";") for flags in table["flags"]], dtype=bool)
 
 
 def slips_at_switch_off(table: pd.DataFrame, quarter_swing: float) -> np.ndarray:
@@ -222,6 +230,7 @@ def _assemble(
         average.tocsr(),
         bench,
         repeats,
+        zero_unknown(table),
         groups,
         groups[np.array(first, dtype=int)],
         run_values,

@@ -9,12 +9,12 @@ from functools import cached_property
 import numpy as np
 
 from eaclutch.diagnosis.bench_channels import BenchEntries
-from eaclutch.diagnosis.channels import Channel
 from eaclutch.diagnosis.data import DataVector
+from eaclutch.diagnosis.zeros import Zeros
 from eaclutch.inference.priors import Priors
 from eaclutch.physics.effect import Parameter, Prior
 from eaclutch.physics.model import ClutchModel
-from eaclutch.records import FloatArray, RunConditions
+from eaclutch.records import FloatArray
 
 # A run that the model cannot follow (it pulls in, or never slips, while the bench measured a time) stands
 # this far off on the comparison scale: bad, finite, and the same for every hypothesis.
@@ -37,10 +37,11 @@ class Forward:
     ):
         self.model, self.data, self.candidates = model, data, tuple(candidates)
         free = [_with_prior(p, priors or {}) for p in model.parameters.values() if self._free(p.name)]
+        self.zeros = Zeros.of(data)
         if self.candidates:
             idle = self._idle([p for p in free if self.own(p.name)])
             free = [p for p in free if p.name not in idle]
-        self.priors = Priors.of(tuple(free))
+        self.priors = Priors.of((*free, *self.zeros.parameters))
 
     def own(self, name: str) -> bool:
         """Whether a parameter belongs to one of the candidates."""
@@ -84,7 +85,7 @@ class Forward:
 
     def runs(self, named: Mapping[str, FloatArray]) -> FloatArray:
         """Run-level predictions on the comparison scale, (draws, channels, runs), finite throughout."""
-        scaled = predict_scaled(self.model, self.data.conditions, named, self.data.channels)
+        scaled = self.zeros.predict(self.model, self.data.conditions, named, self.data.channels)
         off = np.nan_to_num(self.data.run_values) + UNPREDICTED
         return np.where(np.isfinite(scaled), scaled, off)
 
@@ -92,6 +93,7 @@ class Forward:
         """Bench entries (draws, bench entries) on the comparison scale."""
         bench: BenchEntries = self.data.bench
         out = np.zeros((draws, len(bench.values)))
+        named = self.zeros.without(named)
         rows = np.flatnonzero(bench.block == "capacitance")
         if len(rows):
             capacitance = self.model.capacitance(bench.setting[rows], bench.width[rows], named)
@@ -134,7 +136,8 @@ class RepresentativeForward:
 
     def predict_named(self, named: Mapping[str, FloatArray], draws: int) -> FloatArray:
         """The same for parameters by name; missing ones take their default."""
-        scaled = predict_scaled(self.full.model, self.conditions, named, self.full.data.channels)
+        full = self.full
+        scaled = full.zeros.select(self.rows).predict(full.model, self.conditions, named, full.data.channels)
         finite = np.where(np.isfinite(scaled), scaled, 0.0)
         entries = finite[:, self.channel, self.group]
         return np.concatenate([entries, self.full.bench(named, draws)], axis=1)
@@ -146,20 +149,6 @@ def _with_prior(parameter: Parameter, priors: Mapping[str, Sequence[float]]) -> 
         return parameter
     mean, sd = priors[parameter.name]
     return replace(parameter, prior=Prior("normal", float(mean), float(sd)))
-
-
-def predict_scaled(
-    model: ClutchModel,
-    conditions: RunConditions,
-    named: Mapping[str, FloatArray],
-    channels: Sequence[Channel],
-) -> FloatArray:
-    """Run-level predictions on the comparison scale, (draws, channels, runs); not-a-number where the model's
-    status says that there is none."""
-    prediction = model.predict(
-        conditions, named, observables=[channel.name for channel in channels], on_invalid="status"
-    )
-    return np.stack([channel.forward(prediction.values[channel.name]) for channel in channels], axis=1)
 
 
 def _burst_logs(named: Mapping[str, FloatArray]) -> FloatArray:
