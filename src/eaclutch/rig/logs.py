@@ -19,6 +19,10 @@ __all__ = ["EXTENSIONS", "HEADER", "log_name", "parse_log_name", "read_log", "ru
 HEADER = ("Time", "Load Cell", "Moving Forward", "Relay Output")
 SHORTEST = 100  # samples; less is no run
 ABSURD = 1e12  # no column of a run gets there, in any unit that a rig logs
+OUT_OF_STEP, OUT_OF_RANGE = (
+    0.15,
+    0.005,
+)  # shares of samples: lost time lines leave a tail of zeros, the rest is stray
 LONGEST = 500_000  # samples: twice what the rig can hold
 
 
@@ -128,7 +132,7 @@ def _check(name: str, table: np.ndarray) -> None:
             "Relay Output": np.abs(voltage) > 1e4,
         }
     for column, bad in wrong.items():
-        if bad.mean() > 0.15:
+        if bad.mean() > (OUT_OF_STEP if column == "Time" else OUT_OF_RANGE):
             what = {"Time": "does not increase", "Moving Forward": "is not 0 or 1"}.get(
                 column, "is out of range"
             )

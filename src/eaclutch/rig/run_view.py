@@ -121,11 +121,13 @@ class RunView:
             found[first:last] = True
         return found
 
-    def window(self, start: float, end: float, *, least: int = 4) -> slice:
-        """Samples with start <= time < end. Raises Unusable where they are too few, lost or interrupted."""
+    def window(self, start: float, end: float, *, least: int = 4, whole: bool = True) -> slice:
+        """Samples with start <= time < end. Raises Unusable where they are too few or, if ``whole``, interrupted."""
         first, last = (int(i) for i in np.searchsorted(self.time, [start, end]))
         if last - first < least or start < self.time[0] - self.step or end > self.time[-1] + self.step:
             raise Unusable("too_short")
+        if not whole:
+            return slice(first, last)
         if not np.isfinite(self.force[first:last]).all():
             raise Unusable("force_lines_lost")
         if (

@@ -12,7 +12,9 @@ from eaclutch.records import FloatArray
 BAND = (250.0, 1500.0)  # Hz
 CLEAR = 6.0  # amplitude over its standard uncertainty, below which there is no swing
 STRAY = 1.6  # times the noise that may be left
-OVER_AT_ONCE = 0.2  # damping ratio beyond which the force is gone within a turn: friction stopped it, no free swing
+OVER_AT_ONCE = (
+    0.2  # damping ratio beyond which the force is gone within a turn: friction stopped it, no free swing
+)
 
 
 @dataclass(frozen=True)

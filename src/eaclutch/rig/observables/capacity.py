@@ -21,9 +21,12 @@ def peak(run: RunView) -> Estimate:
     The largest of many noisy means is too large. One half of the samples saying where it is and the other how large
     misses the top of a sharp peak and is too small. The truth lies between, and is taken to be anywhere there.
     """
-    window = run.window(run.force_on, run.force_off)
+    window = run.window(run.force_on, run.force_off, whole=False)
     half = max(1, round(SMOOTHING / run.step / 2))
     force = run.force[window]
+    force = force[
+        np.isfinite(force)
+    ]  # the hole that lost lines leave hides the peak only if it lies right there
     count = len(force) // 2
     if count < 4 * half:
         raise Unusable("too_short")

@@ -1,0 +1,116 @@
+"""Voltage on and off in awkward logs, and what is put right in broken columns."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from eaclutch.records import Bench
+from eaclutch.rig.columns_in_step import lost_lines
+from eaclutch.rig.estimate import Unusable
+from eaclutch.rig.events import find_events
+from eaclutch.rig.extract import extract
+from eaclutch.rig.repair import make_whole
+from rig.made_run import STEP, Made, make_run, release_time, without_lines
+
+
+def made(seed: int = 0, **changes):
+    return make_run(Made(**changes), np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize("frequency", [0.1, 1.0, 10.0, 1000.0, 10000.0])
+@pytest.mark.parametrize("grounded_first", [False, True])
+def test_on_and_off_are_found_within_half_a_sample(frequency, grounded_first):
+    recording, on, off = made(frequency=frequency, grounded_first=grounded_first)
+    events = find_events(recording)
+    assert abs(events.on - on) <= 0.51 * STEP and abs(events.off - off) <= 0.51 * STEP
+    assert events.on_sd == pytest.approx(STEP / np.sqrt(12), rel=0.02)
+    assert events.dwell == pytest.approx(off - on - 3.0, abs=STEP)
+
+
+@pytest.mark.parametrize("grounded_first", [False, True])
+def test_the_driver_finishes_its_half_wave_after_the_flag(grounded_first):
+    recording, on, off = made(frequency=7.0, grounded_first=grounded_first)
+    early = replace(recording, flag=((recording.time >= on) & (recording.time < off - 0.05)).astype(float))
+    events = find_events(early)
+    assert events.off == pytest.approx(off, abs=1.6 * STEP)
+    assert "voltage_outlives_flag" in events.flags
+
+
+def test_what_has_no_voltage_or_no_end_is_said():
+    recording, *_ = made()
+    for change, reason in (
+        ({"voltage": np.full_like(recording.voltage, 2.0)}, "no_voltage"),
+        ({"flag": np.zeros_like(recording.flag)}, "no_flag"),
+        ({"flag": np.maximum.accumulate(recording.flag)}, "flag_never_falls"),
+    ):
+        with pytest.raises(Unusable, match=reason):
+            find_events(replace(recording, **change))
+
+
+def test_voltage_that_lost_lines_does_not_move_the_events():
+    recording, on, off = made(frequency=10.0)
+    broken = replace(recording, voltage=without_lines(recording.voltage, (30_000, 400)))
+    whole = make_whole(broken).recording
+    events = find_events(whole)
+    assert "voltage_lines_lost" in whole.flags
+    assert abs(events.on - on) < STEP and abs(events.off - off) < STEP
+
+
+def test_a_column_that_is_zero_at_rest_has_lost_nothing():
+    recording, *_ = made()
+    resting = np.where(recording.voltage > 50, 300.0, 0.0)
+    assert lost_lines(resting) == 0
+    assert lost_lines(without_lines(recording.force, (20_000, 77))) == 77
+
+
+@pytest.mark.parametrize("holes", [((16_000, 14),), ((5_000, 60), (70_000, 200))])
+def test_time_with_holes_and_a_tail_of_zeros_is_put_back(holes):
+    recording, *_ = made()
+    broken = replace(recording, time=without_lines(recording.time, *holes))
+    whole = make_whole(broken).recording
+    assert whole.flags == ("time_realigned",)
+    assert np.max(np.abs(whole.time - recording.time)) < 2e-6
+
+
+def test_single_samples_are_mended_and_said():
+    recording, *_ = made()
+    force, time = recording.force.copy(), recording.time.copy()
+    force[40_000] -= 1.0
+    force[50_000] = np.nan
+    time[60_000] = 0.1
+    whole = make_whole(replace(recording, force=force, time=time)).recording
+    assert set(whole.flags) == {"force_glitch", "force_missing", "time_repaired"}
+    assert abs(whole.force[40_000] - recording.force[40_000]) < 0.06
+    assert abs(whole.time[60_000] - recording.time[60_000]) < 2e-6
+    untouched = np.ones(len(force), dtype=bool)
+    untouched[[40_000, 50_000]] = False
+    assert np.array_equal(whole.force[untouched], recording.force[untouched])
+
+
+def test_time_that_runs_backwards_for_long_is_not_used():
+    recording, *_ = made()
+    time = recording.time.copy()
+    time[45_000:45_400] = time[45_000:45_400][::-1]
+    found = extract(replace(recording, time=time), Bench("test"))
+    assert "time_broken" in found["flags"] and not found["usable"]
+
+
+@given(start=st.integers(3_000, 88_000), count=st.integers(50, 9_000), seed=st.integers(0, 3))
+@settings(max_examples=25, deadline=None)
+def test_wherever_lines_were_lost_the_release_is_right_or_missing(start, count, seed):
+    shape = Made(frequency=0.1, capacity=0.5, hold=0.47)
+    recording, _, off = make_run(shape, np.random.default_rng(seed))
+    start = min(start, len(recording.time) - count - 1)
+    found = extract(replace(recording, force=without_lines(recording.force, (start, count))), Bench("test"))
+    assert "force_lines_lost" in found["flags"]
+    # a hole that swallows the release itself leaves nothing to be right about but the ends
+    swallowed = start < off / STEP < start + count + 30
+    for share in (0.1, 0.5, 0.9):
+        value, sd = (found[f"release_time_{share * 100:g}_s{end}"] for end in ("", "_sd"))
+        if np.isfinite(value) and not swallowed:
+            assert abs(value - release_time(shape, share)) < 5 * sd
