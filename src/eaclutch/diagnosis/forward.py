@@ -10,7 +10,7 @@ import numpy as np
 
 from eaclutch.diagnosis.bench_channels import BenchEntries
 from eaclutch.diagnosis.data import DataVector
-from eaclutch.diagnosis.zeros import Zeros
+from eaclutch.diagnosis.readings import Readings
 from eaclutch.inference.priors import Priors
 from eaclutch.physics.effect import Parameter, Prior
 from eaclutch.physics.model import ClutchModel
@@ -37,11 +37,11 @@ class Forward:
     ):
         self.model, self.data, self.candidates = model, data, tuple(candidates)
         free = [_with_prior(p, priors or {}) for p in model.parameters.values() if self._free(p.name)]
-        self.zeros = Zeros.of(data)
+        self.readings = Readings.of(data)
         if self.candidates:
             idle = self._idle([p for p in free if self.own(p.name)])
             free = [p for p in free if p.name not in idle]
-        self.priors = Priors.of((*free, *self.zeros.parameters))
+        self.priors = Priors.of((*free, *self.readings.parameters))
 
     def own(self, name: str) -> bool:
         """Whether a parameter belongs to one of the candidates."""
@@ -85,7 +85,7 @@ class Forward:
 
     def runs(self, named: Mapping[str, FloatArray]) -> FloatArray:
         """Run-level predictions on the comparison scale, (draws, channels, runs), finite throughout."""
-        scaled = self.zeros.predict(self.model, self.data.conditions, named, self.data.channels)
+        scaled = self.readings.predict(self.model, self.data.conditions, named, self.data.channels)
         off = np.nan_to_num(self.data.run_values) + UNPREDICTED
         return np.where(np.isfinite(scaled), scaled, off)
 
@@ -93,7 +93,7 @@ class Forward:
         """Bench entries (draws, bench entries) on the comparison scale."""
         bench: BenchEntries = self.data.bench
         out = np.zeros((draws, len(bench.values)))
-        named = self.zeros.without(named)
+        named = self.readings.without(named)
         rows = np.flatnonzero(bench.block == "capacitance")
         if len(rows):
             capacitance = self.model.capacitance(bench.setting[rows], bench.width[rows], named)
@@ -137,7 +137,9 @@ class RepresentativeForward:
     def predict_named(self, named: Mapping[str, FloatArray], draws: int) -> FloatArray:
         """The same for parameters by name; missing ones take their default."""
         full = self.full
-        scaled = full.zeros.select(self.rows).predict(full.model, self.conditions, named, full.data.channels)
+        scaled = full.readings.select(self.rows).predict(
+            full.model, self.conditions, named, full.data.channels
+        )
         finite = np.where(np.isfinite(scaled), scaled, 0.0)
         entries = finite[:, self.channel, self.group]
         return np.concatenate([entries, self.full.bench(named, draws)], axis=1)

@@ -7,11 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from eaclutch.diagnosis.readings import Readings
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import Verdict
 from eaclutch.diagnosis.weigh import UNKNOWN
-from eaclutch.diagnosis.zeros import Zeros
 from eaclutch.records import FloatArray, RunConditions
 
 VOLTAGES = (100.0, 200.0, 300.0)
@@ -111,8 +111,8 @@ def _predict(study: Study, result: CandidateResult, grid: RunConditions) -> Floa
             short = parameter.name.removeprefix(prefix)
             if parameter.name.startswith(prefix) and short in result.parameters:
                 named[parameter.name] = np.array([result.parameters[short]["mean"]])
-    none = Zeros((), np.full(len(grid), -1))
-    return none.predict(study.model(result.effects), grid, none.without(named), study.data.channels)[0]
+    plain = Readings((), np.full(len(grid), -1), False)
+    return plain.predict(study.model(result.effects), grid, plain.without(named), study.data.channels)[0]
 
 
 def _variance(study: Study) -> FloatArray:

@@ -1,7 +1,11 @@
-"""Zeros of the load cell that a run does not show: one free offset a session, for the runs that still hold it.
+"""How a run's forces are read: zeros that it does not show, and peaks that are the largest of many.
 
 Most runs begin in contact, so the force without contact is not in their log, and their friction before the
-voltage, their force at switch-off and every ratio of forces still contain the session's zero (tens of mN).
+voltage, their force at switch-off and every ratio of forces still contain the session's zero (tens of mN): one
+free offset a session, for the runs that still hold it.
+
+The capacity is the largest force of a run, over many slips whose static friction scatters and over the noise
+that smoothing leaves: more than the typical slip, by a share and by a few mN that are free as well.
 """
 
 from __future__ import annotations
@@ -20,41 +24,51 @@ from eaclutch.records import FloatArray, RunConditions
 ZERO_SD = 0.025  # N, between sessions (rig: tens of mN)
 LARGEST_ZERO = 0.2  # N
 PREFIX = "force_zero_"
+PEAK_SHARE, PEAK_NOISE = "largest_slip_excess", "largest_noise_excess"
+PEAKS = (
+    Parameter(PEAK_SHARE, "1", (0.0, 0.3), 0.03, Prior("halfnormal", 0.05)),
+    Parameter(PEAK_NOISE, "N", (0.0, 0.02), 0.003, Prior("halfnormal", 0.005)),
+)
 
 
 @dataclass(frozen=True)
-class Zeros:
-    """Sessions with an unknown zero, and which run holds which (runs,), -1 for none."""
+class Readings:
+    """Sessions with an unknown zero, and which run holds which (runs,), -1 for none; ``peaks``: whether the
+    largest force of a run is among the data."""
 
     sessions: tuple[str, ...]
     index: np.ndarray
+    peaks: bool
 
     @classmethod
-    def of(cls, data: DataVector) -> Zeros:
-        """The unknown zeros of a campaign."""
+    def of(cls, data: DataVector) -> Readings:
+        """What is unknown of a campaign's readings."""
         held = [s for s, unknown in zip(data.conditions.session, data.zero_unknown, strict=True) if unknown]
         sessions = tuple(dict.fromkeys(held))
         index = [
             sessions.index(s) if unknown else -1
             for s, unknown in zip(data.conditions.session, data.zero_unknown, strict=True)
         ]
-        return cls(sessions, np.array(index, dtype=int))
+        peaks = any(c.name in ("shear_capacity_n", "slip_fraction") for c in data.channels)
+        return cls(sessions, np.array(index, dtype=int), peaks)
 
     @property
     def parameters(self) -> tuple[Parameter, ...]:
-        """One parameter a session, [N]."""
-        return tuple(
+        """One zero a session [N], and by how much peaks exceed the typical slip."""
+        zeros = tuple(
             Parameter(f"{PREFIX}{s}", "N", (-LARGEST_ZERO, LARGEST_ZERO), 0.0, Prior("normal", 0.0, ZERO_SD))
             for s in self.sessions
         )
+        return zeros + (PEAKS if self.peaks else ())
 
-    def select(self, rows: np.ndarray) -> Zeros:
+    def select(self, rows: np.ndarray) -> Readings:
         """The same for some of the runs."""
-        return Zeros(self.sessions, self.index[rows])
+        return replace(self, index=self.index[rows])
 
     def without(self, named: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
-        """Parameters by name, without the zeros: what the model knows."""
-        return {name: value for name, value in named.items() if not name.startswith(PREFIX)}
+        """Parameters by name, without those of the reading: what the model knows."""
+        own = (PEAK_SHARE, PEAK_NOISE)
+        return {name: v for name, v in named.items() if not name.startswith(PREFIX) and name not in own}
 
     def predict(
         self,
@@ -70,12 +84,13 @@ class Zeros:
         zeros = np.zeros((draws, len(self.sessions)))
         for i, session in enumerate(self.sessions):
             zeros[:, i] = named.get(f"{PREFIX}{session}", 0.0)
+        peaks = np.array([np.broadcast_to(named.get(p.name, 0.0), draws) for p in PEAKS])[..., None]
         out = np.empty((draws, len(channels), len(conditions)))
         distinct, which = np.unique(zeros, axis=0, return_inverse=True)
         for i, zero in enumerate(distinct):
             rows = np.flatnonzero(which.ravel() == i)
             part = {name: value[rows] for name, value in known.items()}
-            out[rows] = self._predict_at(model, conditions, part, channels, zero)
+            out[rows] = self._predict_at(model, conditions, part, channels, zero, peaks[:, rows])
         return out
 
     def _predict_at(
@@ -85,6 +100,7 @@ class Zeros:
         named: Mapping[str, FloatArray],
         channels: Sequence[Channel],
         zero: FloatArray,
+        peaks: FloatArray,
     ) -> FloatArray:
         held = np.where(self.index >= 0, np.append(zero, 0.0)[self.index], 0.0)
         true = replace(
@@ -95,8 +111,12 @@ class Zeros:
         names = [channel.name for channel in channels]
         wanted = names if "shear_capacity_n" in names else [*names, "shear_capacity_n"]
         values = dict(model.predict(true, named, observables=wanted, on_invalid="status").values)
+        share, noise = peaks
+        typical = np.maximum(values["shear_capacity_n"] + true.friction_before, 1e-3)
+        largest = typical * (1.0 + share) + noise
+        values["shear_capacity_n"] = largest - true.friction_before
         if "slip_fraction" in names:
-            # read as the drop over a force that still holds the zero
-            top = np.maximum(values["shear_capacity_n"] + true.friction_before, 1e-3)
-            values["slip_fraction"] = values["slip_fraction"] * top / np.maximum(top + held, 0.1 * top)
+            # the drop from the largest peak to the noisy bottom of its slip, over a force that holds the zero
+            drop = largest - typical * (1.0 - values["slip_fraction"]) + noise
+            values["slip_fraction"] = drop / np.maximum(largest + held, 0.1 * largest)
         return np.stack([channel.forward(values[channel.name]) for channel in channels], axis=1)
