@@ -166,21 +166,32 @@ def force_at(segments, n, t, start):
 
 
 @compiled
+def _held(force, begin, end):
+    """Integral [N s] of a constant force over the part of [begin, end] inside the window."""
+    return force * max(min(end, END) - max(begin, WINDOW), 0.0)
+
+
+@compiled
 def final_force(segments, n, rest_time, rest_force, start):
     """Mean reading [N] over 10 .. 110 ms after switch-off: the rest level, or the mean of what still moves."""
     if rest_time <= WINDOW:
         return rest_force
-    total, t = 0.0, WINDOW
-    step = min(1e-4, 0.25 * (END - WINDOW))
-    while t < END - 1e-9:  # Simpson over steps of a fraction of the load cell's period
-        a, b = t, min(t + step, END)
-        middle = 0.5 * (a + b)
-        total += (
-            (b - a) / 6.0
-            * (force_at(segments, n, a, start) + 4.0 * force_at(segments, n, middle, start)
-               + force_at(segments, n, b, start))
-        )  # fmt: skip
-        t = b
+    total = _held(start, 0.0, segments[0, 0] if n > 0 else END)
+    for i in range(n):
+        segment = segments[i]
+        begin, length, stiffness = segment[0], segment[1], segment[6]
+        low, high = max(WINDOW - begin, 0.0), min(END - begin, length)
+        if high > low:  # Simpson over parts of the oscillator's period
+            parts = int((high - low) * math.sqrt(abs(segment[5])) / 0.4) + 1
+            step = (high - low) / parts
+            for j in range(parts):
+                s = low + j * step
+                a, _ = oscillate(segment, s)
+                b, _ = oscillate(segment, s + 0.5 * step)
+                c, _ = oscillate(segment, s + step)
+                total += stiffness * (a + 4.0 * b + c) * step / 6.0
+        end, _ = oscillate(segment, length)
+        total += _held(stiffness * end, begin + length, segments[i + 1, 0] if i + 1 < n else END)
     return total / (END - WINDOW)
 
 
