@@ -28,6 +28,10 @@ rule all:
         results("manifest.json"),
 
 
+onstart:
+    hold_results()
+
+
 onerror:
     line = job_error()
     if line:

@@ -9,6 +9,7 @@ from pathlib import Path
 from eaclutch.config import load_bench, load_config
 from eaclutch.config.slices import bench_slice, job_seed
 from eaclutch.physics.effects import BASE, EFFECTS
+from eaclutch.files import hold
 from eaclutch.provenance import code_hash
 from eaclutch.records import InputError
 from eaclutch.manifest import refuse_other_campaign
@@ -38,6 +39,16 @@ except InputError as error:
 os.environ["PATH"] = os.pathsep.join([os.path.dirname(sys.executable), os.environ.get("PATH", "")])
 for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS"):
     os.environ[variable] = "1"
+
+
+def hold_results():
+    """Keep other runs from making these results until this process ends, however it ends."""
+    try:
+        hold(f".snakemake/eaclutch/{BENCH.name}.lock")
+    except BlockingIOError:
+        stop(InputError(RESULTS, "another run makes these results", "wait for it, or use another --directory"))
+    except OSError as error:
+        stop(InputError(".snakemake", f"cannot be written ({error.strerror})", "use a --directory that can"))
 
 
 def results(pattern):

@@ -7,7 +7,6 @@ carried on with at the next start, what it leaves before is kept aside.
 
 from __future__ import annotations
 
-import fcntl
 import json
 import os
 from collections.abc import Mapping
@@ -18,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from eaclutch.files import read_json, sha256, write_json
+from eaclutch.files import hold, read_json, sha256, write_json
 from eaclutch.records import InputError, Recording
 from eaclutch.rig.link.plan import Plan, Slot, condition_key
 from eaclutch.rig.link.protocol import Columns, digest
@@ -82,11 +81,9 @@ class CampaignStore:
             remedy = "make the campaign's folder with a campaign.yaml first"
             raise InputError(self.campaign / "campaign.yaml", "there is no such file", remedy)
         self._staging.mkdir(parents=True, exist_ok=True)
-        self._lock = os.open(self.aside / "lock", os.O_RDWR | os.O_CREAT, 0o666)
         try:
-            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError:
-            os.close(self._lock)
+            self._lock = hold(self.aside / "lock")
+        except BlockingIOError:
             raise InputError(self.campaign, "another capture adds to it", "end that one first") from None
         self._recover()
         return self
