@@ -2,8 +2,8 @@
 
     python benchmarks/torture/full_run.py --kills 50 --output docs/measurements/torture.json
 
-Trials: kill -9 of the process group at random moments, disk full, read-only campaign, results removed in the middle, two
-runs at once, data and config changed between kill and resume, clock set back, a campaign that changes while it is read.
+Trials: kill -9 of the process group at random moments, disk full, read-only campaign, results removed in the middle,
+two runs at once, data and config changed between kill and resume, clock set back, a campaign that changes meanwhile.
 A tiny campaign (ten runs of the fixture, short chains) is made for it. Mounting needs root: skipped with a reason else.
 """
 
