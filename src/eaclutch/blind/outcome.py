@@ -49,6 +49,7 @@ def outcome(
     row = {
         "case": case,
         "kind": answer["kind"],
+        "level": answer.get("level", "tables"),
         "truth": sorted(truth),
         "said": sorted(said),
         "probability": confidence,

@@ -82,15 +82,28 @@ def read_run(
     if dwell >= 0.3:
         rest = window(off - 0.3, off)
         out["hold_creep_n_s"] = _slope(time[rest], force[rest], sd)
-    drop = smooth[:-24] - smooth[24:]
-    place = int(np.argmax(drop))
-    if drop[place] > 6 * top_sd:
-        height = smooth[max(place - 6, 0) : place + 8].max()
-        low = smooth[place + 10 : place + 34].min()
-        fall_sd = np.hypot(top_sd, top_sd) * 1.2
-        out["slip_fraction"] = (float((height - low) / height), float(fall_sd / height))
+    out["slip_fraction"] = _largest_slip(force[driven], sd)
     out |= _release(time, force, off, level, level_sd, final, final_sd, sd)
     return out
+
+
+def _largest_slip(force: FloatArray, sd: float) -> tuple[float, float]:
+    """Largest slip as a share of the force before it, from straight lines before and after it; NaN without."""
+    short = np.convolve(force, np.full(5, 0.2), "same")
+    drop = short[:-14] - short[14:]
+    reach = 26
+    place = int(np.argmax(drop[reach : -reach - 40])) + reach
+    if drop[place] < 7 * sd * np.sqrt(0.4):
+        return np.nan, np.nan
+    peak = place - 4 + int(np.argmax(short[place - 4 : place + 8]))
+    trough = peak + int(np.argmin(short[peak : peak + 20]))
+    count = np.arange(reach)
+    before = np.polyval(np.polyfit(count - reach, force[peak - reach : peak], 1), 0.0)
+    after = np.polyval(np.polyfit(count + 1, force[trough + 1 : trough + 1 + reach], 1), 0.0)
+    line_sd = 2 * sd / np.sqrt(reach)
+    height = float(max(before, 1e-3))
+    share = float((before - after) / height)
+    return share, float(np.hypot(line_sd, line_sd * (1 - share)) / height)
 
 
 def _onset(

@@ -35,7 +35,7 @@ def draw_disturbances(sessions: int, rng: np.random.Generator) -> tuple[Disturba
     loud = rng.integers(0, sessions)
     return tuple(
         Disturbance(
-            zero=float(rng.normal(0, 0.025)),
+            zero=float(rng.normal(0, 0.015)),
             mains=np.array([0.008, 0.0025, 0.002]) * (rng.uniform(0.7, 1.2) if s == loud else 0.08),
             line_frequency=rng.uniform([195, 298, 310, 396, 590], [203, 303, 318, 404, 604]),
             line_amplitude=rng.uniform(0.4e-3, 1.2e-3, 5),

@@ -25,7 +25,6 @@ def score(
     answers: Mapping[str, Mapping[str, Any]],
     verdicts: Mapping[str, Mapping[str, Mapping[str, Any]]],
     sides: Mapping[str, Mapping[str, Mapping[str, Any]]],
-    levels: Mapping[str, str],
     forecast: Mapping[str, Any] | None = None,
 ) -> dict[str, Any]:
     """The score of every method: ``answers`` by case, ``verdicts`` and ``sides`` by method and case."""
@@ -35,8 +34,6 @@ def score(
             outcome(case, answers[case], document, sides.get(method, {}).get(case, {}), method)
             for case, document in sorted(found.items())
         ]
-        for row in rows:
-            row["level"] = levels.get(row["case"], "tables")
         missing = sorted(set(answers) - set(found))
         methods[method] = scores(rows) | {"missing": missing, "rows": rows}
     kinds = [answer["kind"] for answer in answers.values()]

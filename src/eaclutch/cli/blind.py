@@ -147,9 +147,8 @@ def unseal(
     found = {item["method"]: sealing.check_frozen(item, verdicts / item["method"]) for item in hashes}
     first = sealing.record_opening(opened, hashes)
     answered = sealing.open_answers(list(commitments), list(answers))
-    levels = {case: row["level"] for path in commitments for case, row in read_json(path)["cases"].items()}
     sides = {method: sealing.read_sides(verdicts / method, list(answered)) for method in found}
-    document = score(answered, found, sides, levels, read_json(forecast) if forecast else None)
+    document = score(answered, found, sides, read_json(forecast) if forecast else None)
     for item in hashes:
         document["methods"][item["method"]] |= {
             "frozen": item["whole"],
