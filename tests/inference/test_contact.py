@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from eaclutch.inference.gaussian_levels import LevelDesign, covariance, marginal, precision_pointwise
+from eaclutch.inference import gaussian_levels
+from eaclutch.inference.gaussian_levels import LevelDesign, Levels
 from eaclutch.inference.hyperparameters import HYPERPARAMETERS
 from eaclutch.inference.laplace import fit
 from eaclutch.inference.stages.contact import ContactSettings, FilmOffset, InverseContact, contact_problem
@@ -58,28 +59,46 @@ def around_mode(problem, rng, draws=4000):
     return values.mean(axis=0), values.std(axis=0)
 
 
-def test_marginal_likelihood_is_the_dense_normal():
+def test_levels_are_the_dense_normal():
     rng = np.random.default_rng(0)
     width = np.repeat([3.0, 1.0, 2.0], [5, 7, 4])
     trial = np.array([f"{w}-{i % 2}" for i, w in enumerate(width)])
-    design = LevelDesign.of(rng.standard_normal(16), width, trial, 0.5, 1.0)
-    residual, sensitivity = rng.standard_normal((3, 16)), rng.uniform(-2, -1, (3, 16))
-    noise, wide, own = rng.uniform(0.1, 0.3, (3, 16)), np.array([0.2, 0.5, 1.0]), np.array([0.3, 0.1, 0.6])
-    value, offset, variance = marginal(residual, sensitivity, noise, wide, own, 0.7, design)
-    points = precision_pointwise(residual, sensitivity, noise, wide, own, 0.7, design)
+    design = LevelDesign.of(2 * rng.standard_normal(16), width, trial, 0.5, 1.0)
+    residual, noise = rng.standard_normal((3, 16)), rng.uniform(0.1, 0.3, (3, 16))
+    wide, own = np.array([0.2, 0.5, 1.0]), np.array([0.3, 0.1, 0.6])
+    levels = Levels(rng.uniform(-2, -1, (3, 16)), noise, wide, own, 0.7)
+    value, offset, variance = gaussian_levels.marginal(residual, levels, design)
+    points = gaussian_levels.pointwise(residual, levels, design)
     order = design.order
     for i in range(3):
-        dense = covariance(sensitivity[i, order], noise[i, order], wide[i], own[i], 0.7, design)
+        dense = gaussian_levels.covariance(levels, i, design)
         normal = multivariate_normal(np.zeros(16), dense)
         assert value[i] == pytest.approx(normal.logpdf(residual[i, order]))
-        gain = 0.7**2 * sensitivity[i, order] @ np.linalg.inv(dense)
+        gain = 0.7**2 * levels.sensitivity[i, order] @ np.linalg.inv(dense)
         assert offset[i] == pytest.approx(gain @ residual[i, order])
-        assert variance[i] == pytest.approx(0.7**2 - gain @ sensitivity[i, order] * 0.7**2)
-        first, rest = order[0], np.arange(1, 16)
-        given = dense[0, rest] @ np.linalg.solve(dense[np.ix_(rest, rest)], residual[i, order][rest])
-        left = dense[0, 0] - dense[0, rest] @ np.linalg.solve(dense[np.ix_(rest, rest)], dense[rest, 0])
-        conditional = multivariate_normal(given, left).logpdf(residual[i, first])
-        assert points[i, first] == pytest.approx(conditional)
+        assert variance[i] == pytest.approx(0.7**2 - gain @ levels.sensitivity[i, order] * 0.7**2)
+        for first in (0, 9):
+            rest = np.delete(np.arange(16), first)
+            solved = np.linalg.solve(dense[np.ix_(rest, rest)], dense[rest, first])
+            left = dense[first, first] - dense[first, rest] @ solved
+            conditional = multivariate_normal(solved @ residual[i, order][rest], left)
+            assert points[i, order[first]] == pytest.approx(conditional.logpdf(residual[i, order[first]]))
+
+
+def test_level_kernel_and_replicates():
+    rng = np.random.default_rng(1)
+    position = np.linspace(-4, 2, 30)
+    trial = np.array(["a"] * 15 + ["b"] * 15)
+    design = LevelDesign.of(position, np.ones(30), trial, 0.5, 1.0)
+    distance = position[design.order][:, None] - position[design.order][None, :]
+    expected = 0.5 + 0.5 * np.exp(-0.5 * distance**2)
+    np.testing.assert_allclose(design.basis @ design.basis.T, expected, atol=1e-4)
+    draws = 20000
+    levels = Levels(
+        np.full((draws, 30), -1.5), np.full((draws, 30), 0.04), np.full(draws, 0.3), np.full(draws, 0.2), 0.1
+    )
+    made = gaussian_levels.replicate(levels, design, rng)[:, design.order]
+    np.testing.assert_allclose(np.cov(made.T), gaussian_levels.covariance(levels, 0, design), atol=0.02)
 
 
 def test_inverse_contact_law():

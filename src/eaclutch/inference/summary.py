@@ -11,7 +11,7 @@ import numpy as np
 
 from eaclutch.inference import storage
 
-FIXED = ("stray_capacitance",)  # part of the contact stage whether sampled or not
+FIXED = {"contact": ("stray_capacitance",)}  # part of the stage whether sampled or not
 
 
 def summarise(paths: Sequence[Path]) -> dict[str, Any]:

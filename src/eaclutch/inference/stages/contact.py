@@ -18,7 +18,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from eaclutch.inference.gaussian_levels import LevelDesign, marginal, precision_pointwise, replicate
+from eaclutch.inference import gaussian_levels
+from eaclutch.inference.gaussian_levels import LevelDesign, Levels
 from eaclutch.inference.hyperparameters import HYPERPARAMETERS
 from eaclutch.inference.priors import Priors
 from eaclutch.inference.problem import Problem, digest
@@ -191,29 +192,25 @@ def contact_problem(
         force_error = sensitivity * sigma * slope * settings.force_sd / force
         return mean, sensitivity, theta[:, head, None] ** 2 + force_error**2
 
-    def log_likelihood(theta: FloatArray) -> FloatArray:
+    def residuals(theta: FloatArray) -> tuple[FloatArray, FloatArray, Levels]:
         mean, sensitivity, noise = terms(theta)
-        return marginal(
-            data - mean, sensitivity, noise, theta[:, head + 2], theta[:, head + 1], film.sd, design
-        )[0]
+        return mean, data - mean, Levels(sensitivity, noise, theta[:, head + 2], theta[:, head + 1], film.sd)
+
+    def log_likelihood(theta: FloatArray) -> FloatArray:
+        _, residual, levels = residuals(theta)
+        return gaussian_levels.marginal(residual, levels, design)[0]
 
     def pointwise(theta: FloatArray) -> FloatArray:
-        mean, sensitivity, noise = terms(theta)
-        return precision_pointwise(
-            data - mean, sensitivity, noise, theta[:, head + 2], theta[:, head + 1], film.sd, design
-        )
+        _, residual, levels = residuals(theta)
+        return gaussian_levels.pointwise(residual, levels, design)
 
     def predictive(theta: FloatArray, rng: np.random.Generator, posterior: bool = True) -> FloatArray:
-        mean, sensitivity, noise = terms(theta)
-        return mean + replicate(
-            sensitivity, noise, theta[:, head + 2], theta[:, head + 1], film.sd, design, rng
-        )
+        mean, _, levels = residuals(theta)
+        return mean + gaussian_levels.replicate(levels, design, rng)
 
     def derived(theta: FloatArray, rng: np.random.Generator) -> dict[str, FloatArray]:
-        mean, sensitivity, noise = terms(theta)
-        _, offset, variance = marginal(
-            data - mean, sensitivity, noise, theta[:, head + 2], theta[:, head + 1], film.sd, design
-        )
+        _, residual, levels = residuals(theta)
+        _, offset, variance = gaussian_levels.marginal(residual, levels, design)
         drawn = film.mean + offset + np.sqrt(variance) * rng.standard_normal(len(theta))
         found = film_draws(drawn, rng)
         if not sampled_stray:
