@@ -36,6 +36,7 @@ class Made:
     grounded_first: bool = False
     after: float = 2.0
     travel: float = 1.5e-3
+    before: float = 2.0  # s until the voltage
 
 
 def settings_of(
@@ -48,7 +49,7 @@ def settings_of(
 
 def make_run(made: Made, rng: np.random.Generator) -> tuple[Recording, float, float]:
     """A recording, and the true instants of voltage on and off [s] in its own time."""
-    on = 2.0 + rng.uniform(0, STEP)
+    on = made.before + rng.uniform(0, STEP)
     dc = made.frequency <= 0.1
     half = np.inf if dc else 0.5 / made.frequency
     driven = made.travel / 0.5e-3

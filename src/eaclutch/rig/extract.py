@@ -37,7 +37,9 @@ def extract(recording: Recording, bench: Bench) -> dict[str, Any]:
         row |= {"drive_duration_s": events.drive_duration, "dwell_s": events.dwell}
     except Unusable as reason:
         flags.append(str(reason))
-    row["preload_n"] = preload_of(estimates["friction_before_n"].value, recording.settings, bench)
+    settings = recording.settings
+    estimated = preload_of(estimates["friction_before_n"].value, settings, bench)
+    row["preload_n"] = estimated if settings.preload is None else settings.preload
     for name, estimate in estimates.items():
         row[name], row[f"{name}_sd"] = estimate.value, estimate.sd
     usable = [name for name, estimate in estimates.items() if estimate.usable]

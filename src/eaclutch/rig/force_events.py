@@ -15,6 +15,7 @@ from eaclutch.rig.onset import onset
 REST = 0.2  # s of force after release that give its last level
 HELD = 0.02  # s over which the level before the drop is taken
 RINGING = 0.008  # s of ring-down that is skipped
+TEAR = 0.4  # of the way between two samples; the load cell takes five samples at least
 FALL = 8  # samples, what release takes at most
 CLEAR = 6.0  # standard deviations
 
@@ -52,6 +53,17 @@ def find_drop(time: FloatArray, force: FloatArray, events: Events, early: float)
     level = float(np.median(part[near][:steepest])) if steepest >= 20 else float(held[best])
     back = np.flatnonzero(smooth[: steepest + FALL] > level - 0.15 * float(height[best]))
     return float(time[first + near.start + back[-1]]) - 2 * step if len(back) else None
+
+
+def is_torn(time: FloatArray, force: FloatArray, drop: float) -> bool:
+    """Whether the fall around ``drop`` [s] happens between two samples: lines are missing there, not a release."""
+    marks = [drop - 0.012, drop - 0.002, drop + 0.004, drop + RINGING, drop + RINGING + HELD]
+    early, before, after, settled, late = np.searchsorted(time, marks)
+    held, left = force[early:before], force[settled:late]
+    if len(held) < 10 or len(left) < 10:
+        return True
+    fall = -np.min(np.diff(force[before:after]))
+    return bool(fall > TEAR * (np.median(held) - np.median(left)) + 2.0 * _noise(force[early:before]))
 
 
 def find_rise(time: FloatArray, force: FloatArray, events: Events, early: float) -> Estimate | None:

@@ -20,7 +20,7 @@ from eaclutch.rig.columns_in_step import (
 )
 from eaclutch.rig.estimate import Unusable
 from eaclutch.rig.events import LOST, find_events
-from eaclutch.rig.force_events import find_drop, find_rise
+from eaclutch.rig.force_events import find_drop, find_rise, is_torn
 
 # Where the force's events may lie around the voltage's, where nothing was lost [s]. The link loses lines by the
 # hundred (4 ms and more), so that these leave no doubt.
@@ -88,10 +88,11 @@ def _in_step(recording: Recording, lost: int) -> Whole:
         return abs(on_shift - shift) < AROUND_ON / step
 
     before = 0.0 if rises(0) else on_shift
-    if falls(0):
+    torn = drop is not None and is_torn(time[:kept], force[:kept], drop)
+    if falls(0) and not torn:
         # nothing was lost before release: all is in step until then
         return Whole(_flagged(recording, "force_in_step_until_release"))
-    if not falls(lost):
+    if torn or not falls(lost):
         # lost in several places, or not to be told: the events' own times in the force are all there is
         return Whole(_flagged(recording, "force_not_in_step"), before, off_shift, True)
     if rises(lost):
