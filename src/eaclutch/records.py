@@ -176,7 +176,8 @@ class RunConditions:
     zero; gives the preload), switch_off_force [N] (measured, less the zero: the load train's state when the
     voltage falls; NaN = let the model's own stick-slip decide), drive_duration [s] (voltage on to off),
     dwell [s] (rest before the voltage falls: the stage already stands), run_order (0.. in the session),
-    session, condition, run, substrate: names.
+    session, condition, run, substrate: names; session_number (0.. in order of the first run of each session,
+    filled in where it is not given, and kept by ``select``: a part of a campaign numbers them as the whole does).
     """
 
     run: tuple[str, ...]
@@ -192,13 +193,17 @@ class RunConditions:
     drive_duration: FloatArray
     dwell: FloatArray
     run_order: FloatArray
+    session_number: FloatArray | None = None
 
     ARRAYS = ("voltage", "frequency", "width", "thickness", "friction_before", "switch_off_force",
-              "drive_duration", "dwell", "run_order")  # fmt: skip
+              "drive_duration", "dwell", "run_order", "session_number")  # fmt: skip
     NAMES = ("run", "session", "condition", "substrate")
 
     def __post_init__(self) -> None:
         n = len(self.run)
+        if self.session_number is None:
+            numbers = {name: number for number, name in enumerate(dict.fromkeys(self.session))}
+            object.__setattr__(self, "session_number", np.array([numbers[name] for name in self.session]))
         for name in self.ARRAYS:
             array = np.asarray(getattr(self, name), dtype=float)
             if array.shape != (n,):

@@ -78,12 +78,6 @@ def substrate_mass(bench: Bench, conditions: RunConditions) -> FloatArray:
     return density * length * conditions.width * conditions.thickness + extra
 
 
-def session_index(conditions: RunConditions) -> NDArray[np.intp]:
-    """0.. for the sessions in order of their first run, (runs,)."""
-    order = {name: i for i, name in enumerate(dict.fromkeys(conditions.session))}
-    return np.array([order[name] for name in conditions.session], dtype=np.intp)
-
-
 def fill_sockets(bench: Bench, conditions: RunConditions, values: Values, effects: Sequence[str]) -> Sockets:
     """The sockets after every switched-on effect, in the order of the stages."""
     pad = bench.pad
@@ -103,7 +97,7 @@ def fill_sockets(bench: Bench, conditions: RunConditions, values: Values, effect
         capacitance=laws.capacitance(
             pad, conditions.width, 0.0, values["kappa_static"], values["film_thickness"]
         ),
-        session_index=session_index(conditions),
+        session_index=np.asarray(conditions.session_number, dtype=np.intp),
     )
     sockets = Sockets()
     for name, effect in EFFECTS.items():

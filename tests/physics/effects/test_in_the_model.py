@@ -100,3 +100,16 @@ def test_each_is_seen_by_something(effect: Effect, runs: RunConditions):
         np.abs(model.capacitance(force, 2e-3, parameters) - base.capacitance(force, 2e-3, {})).max() / 2e-13
     )
     assert max(largest, bench) > 3.0
+
+
+def test_a_part_of_a_campaign_keeps_its_sessions(runs: RunConditions):
+    """Offsets belong to the campaign's sessions, whatever runs are predicted together, and one run's history too."""
+    model = ClutchModel(BENCH, (*BASE, "session_drift"))
+    drift = {"session_drift.offset_1": 0.3, "session_drift.offset_2": -0.3, "session_drift.friction_share": 0.0}
+    whole = model.predict(runs, drift, ("shear_capacity_n",)).values["shear_capacity_n"]
+    rows = np.array([6, 3])
+    part = model.predict(runs.select(rows), drift, ("shear_capacity_n",)).values["shear_capacity_n"]
+    np.testing.assert_array_equal(part, whole[:, rows])
+    time = np.arange(0.0, 1.0, 1e-3)
+    force = model.history(runs, 6, drift, time)
+    assert force.max() - runs.friction_before[6] == pytest.approx(whole[0, 6], rel=0.01)
