@@ -17,8 +17,8 @@ from eaclutch.records import Campaign, InputError
 # What the default run leaves: files at the top of the results folder, and these folders. Studies keep their own.
 _FOLDERS = ("observables", "posterior", "predict", "diagnosis")
 _NOT_RESULTS = ("manifest.json",)
-# Equal runs give equal draws, but a file notes when it was made.
-_TIME_ATTRIBUTES = ("created_at", "_NCProperties")
+# Attributes of a .nc file that equal draws do not share: when it was made, and references within the file.
+_APART = {"created_at", "_NCProperties", "REFERENCE_LIST", "DIMENSION_LIST"}
 
 
 def write_capture(campaign: Campaign, batch_size: int, output: Path) -> None:
@@ -145,19 +145,23 @@ def content_hash(path: Path) -> str:
 
     def add(name: str, item: h5py.Group | h5py.Dataset) -> None:
         digest.update(name.encode())
-        for key in sorted(set(item.attrs) - set(_TIME_ATTRIBUTES)):
-            value = item.attrs[key]
-            if not isinstance(value, h5py.Empty) and np.asarray(value).dtype.kind != "O":
-                digest.update(key.encode() + np.asarray(value).tobytes())
-            elif isinstance(value, str):
-                digest.update(key.encode() + value.encode())
+        for key in sorted(set(item.attrs) - _APART):
+            digest.update(key.encode() + _bytes(item.attrs[key]))
         if isinstance(item, h5py.Dataset):
-            digest.update(np.ascontiguousarray(item[()]).tobytes())
+            digest.update(_bytes(item[()]))
 
     with h5py.File(path) as file:
         add("", file)
         file.visititems(add)
     return digest.hexdigest()
+
+
+def _bytes(value: object) -> bytes:
+    """A number, text or array as bytes; texts by their characters, not by where they lie in memory."""
+    array = np.asarray(value)
+    return (
+        repr(array.tolist()).encode() if array.dtype.kind in "OSU" else np.ascontiguousarray(array).tobytes()
+    )
 
 
 def _entry(path: Path, folder: Path) -> dict[str, Any]:
