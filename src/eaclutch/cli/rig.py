@@ -14,12 +14,15 @@ import pandas as pd
 from eaclutch.config import load_bench
 from eaclutch.files import atomic, read_json, write_csv, write_json
 from eaclutch.manifest import batch_runs
+from eaclutch.records import Bench, InputError
 from eaclutch.rig import published as published_definitions
 from eaclutch.rig.batch import extract_batch, join_batches
 from eaclutch.rig.campaign import open_campaign
 from eaclutch.rig.capacitance import read_capacitance
 from eaclutch.rig.gap import gap_table
+from eaclutch.rig.inspection import inspect as look_at
 from eaclutch.rig.load_cell import read_bursts
+from eaclutch.rig.logs import read_log
 from eaclutch.rig.spectra import read_spectra
 from eaclutch.rig.table import PRELOAD_EDGES, observable_infos
 
@@ -107,6 +110,35 @@ def gap(campaign: Path, settings: str, gap: Path, spectra: Path, bursts: Path) -
     write_csv(bursts, pd.DataFrame(columns))
 
 
+@click.command("inspect")
+@click.argument("log", type=click.Path(path_type=Path))
+@click.option(
+    "--campaign",
+    type=click.Path(path_type=Path),
+    help="Folder with campaign.yaml; default: two above the log.",
+)
+@click.option(
+    "--output",
+    type=_FILE,
+    help="Picture to write (.png, .svg, .pdf); default: the run's name in this folder.",
+)
+def inspect(log: Path, campaign: Path | None, output: Path | None) -> None:
+    """One picture and one table of a run: phases, events, observables with uncertainty, flags."""
+    from eaclutch.reporting.run_figure import run_figure
+
+    folder = campaign or log.resolve().parent.parent
+    known = campaign is not None or (folder / "campaign.yaml").is_file()
+    bench = load_bench(folder) if known else Bench(name="inspect")
+    seen = look_at(read_log(log), bench)
+    click.echo(seen.table)
+    output = output or Path(f"{seen.recording.settings.run}.png")
+    if output.suffix not in (".png", ".svg", ".pdf"):
+        raise InputError(output, "is no picture's name", "end it in .png, .svg or .pdf")
+    with atomic(output) as temporary:
+        run_figure(seen.recording, seen.instants, seen.values).savefig(temporary, dpi=110)
+    click.echo(f"picture {output}")
+
+
 def _read(path: Path) -> pd.DataFrame:
     return pd.read_csv(path, dtype={"run": str, "flags": str, "reasons": str, "reason": str})
 
@@ -116,4 +148,4 @@ def _write_arrays(path: Path, arrays: dict[str, Any]) -> None:
         np.savez_compressed(stream, allow_pickle=False, **arrays)
 
 
-COMMANDS = [observables, runs, gap]
+COMMANDS = [observables, runs, gap, inspect]

@@ -6,8 +6,9 @@ import gzip
 import io
 import lzma
 import zlib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,7 @@ from eaclutch.records import InputError
 
 BYTES_PER_ROW = 80  # a rig's row has 30 .. 45
 BAD_SHARE = 0.001  # of the rows that may be unreadable before the file is refused
-_OPEN = {".gz": gzip.open, ".xz": lzma.open}
+_OPEN: dict[str, Callable[..., Any]] = {".gz": gzip.open, ".xz": lzma.open}
 
 
 def read_csv_columns(path: Path, names: Sequence[str], *, longest: int) -> tuple[np.ndarray, tuple[str, ...]]:

@@ -16,9 +16,14 @@ from eaclutch.rig.table import empty_row
 
 
 def extract(recording: Recording, bench: Bench) -> dict[str, Any]:
-    """One row of a batch table from a recording as logged.
+    """One row of a batch table from a recording as logged; see ``extract_view``."""
+    return extract_view(recording, bench)[1]
 
-    Keys: run, settings (voltage_v, frequency_hz, width_mm, substrate), drive_duration_s, dwell_s, preload_n,
+
+def extract_view(recording: Recording, bench: Bench) -> tuple[RunView, dict[str, Any]]:
+    """The repaired run and its row of a batch table, from a recording as logged.
+
+    Keys of the row: run, settings (voltage_v, frequency_hz, width_mm, substrate), drive_duration_s, dwell_s, preload_n,
     ``<observable>`` and ``<observable>_sd`` (NaN where unusable), usable, flags (joined by ``;``).
     """
     run = RunView(make_whole(recording))
@@ -46,4 +51,4 @@ def extract(recording: Recording, bench: Bench) -> dict[str, Any]:
     row["usable"] = bool(np.isin(["shear_capacity_n", "release_time_90_s"], usable).any())
     row["flags"] = ";".join(sorted(set(filter(None, flags))))
     row["reasons"] = ";".join(f"{name}:{e.reason}" for name, e in estimates.items() if e.reason)
-    return row
+    return run, row

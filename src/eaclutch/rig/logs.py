@@ -35,8 +35,9 @@ def read_log(path: Path | str) -> Recording:
     """
     path = Path(path)
     settings = parse_log_name(path.name)
+    flags: tuple[str, ...] = ()
     if path.suffix == ".npy":
-        table, flags = _read_npy(path), ()
+        table = _read_npy(path)
     else:
         table, flags = read_csv_columns(path, HEADER, longest=LONGEST)
     if len(table) < SHORTEST:

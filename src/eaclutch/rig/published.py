@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from scipy.signal import butter, sosfiltfilt
@@ -95,8 +95,9 @@ def _close_time_hole(columns: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=8)
-def _filter(order: int, band: tuple[float, ...], kind: str) -> FloatArray:
-    return butter(order, band if len(band) > 1 else band[0], kind, fs=RATE, output="sos")
+def _filter(order: int, band: tuple[float, ...], kind: Literal["lowpass", "bandstop"]) -> FloatArray:
+    edges: Any = band if len(band) > 1 else band[0]
+    return butter(order, edges, kind, fs=RATE, output="sos")
 
 
 def _release(run: _Run) -> tuple[dict[str, float], dict[str, float]]:

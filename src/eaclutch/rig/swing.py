@@ -59,7 +59,8 @@ def fit_swing(time: FloatArray, force: FloatArray, noise_sd: float) -> Swing | N
     weights = np.linalg.lstsq(basis, force, rcond=None)[0]
     amplitude = float(np.hypot(weights[2], weights[3]))
     left = float(np.sqrt(np.mean(fit.fun**2) * len(t) / (len(t) - 6)))
-    covariance = np.linalg.pinv(fit.jac.T @ fit.jac) * max(1.0, left) ** 2
+    slopes = np.asarray(fit.jac)
+    covariance = np.linalg.pinv(slopes.T @ slopes) * max(1.0, left) ** 2
     amplitude_sd = noise_sd * float(np.sqrt(np.linalg.pinv(basis.T @ basis)[2, 2]))
     unclear = amplitude < CLEAR * amplitude_sd * max(1.0, left) or left > STRAY
     if unclear or zeta > OVER_AT_ONCE or not BAND[0] <= w / (2 * np.pi) <= BAND[1]:
