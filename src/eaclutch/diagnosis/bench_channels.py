@@ -59,8 +59,9 @@ def summarise(
         rows += _capacitance(readings, scale)
     if not any(row[2] == "capacitance" for row in rows):
         notes.append("no capacitance readings: gap, contact stiffness and roughness rest on their priors")
+    scatter = _shape_scatter(spectra)
     for spectrum in spectra:
-        rows += _spectrum(spectrum, scale)
+        rows += _spectrum(spectrum, scale, scatter)
     if not spectra:
         notes.append("no permittivity spectra: the dielectric rests on its priors")
     if bursts is not None and len(bursts.frequency):
@@ -151,14 +152,40 @@ def _at_level(force: FloatArray, log_c: FloatArray, level: float) -> FloatArray:
     return np.atleast_1d(np.polynomial.polynomial.polyfit(x, log_c, 1)[0])
 
 
-def _spectrum(spectrum: Spectrum, scale: Mapping[str, float]) -> list[tuple]:
+def _shape_scatter(spectra: Sequence[Spectrum]) -> float:
+    """How far two sources differ in the shape of log permittivity, beyond a common factor: sd of one source.
+
+    Literature spectra of nominally one polymer disagree far beyond the precision they quote.
+    """
+    squares, count = 0.0, 0
+    for i, one in enumerate(spectra):
+        for other in spectra[i + 1 :]:
+            low = max(one.frequency.min(), other.frequency.min())
+            high = min(one.frequency.max(), other.frequency.max())
+            if high <= low:
+                continue
+            grid = np.linspace(np.log(low), np.log(high), 12)
+            difference = _log_at(one, grid) - _log_at(other, grid)
+            squares += float(np.sum((difference - difference.mean()) ** 2))
+            count += len(grid) - 1
+    return float(np.sqrt(0.5 * squares / count)) if count else 0.05
+
+
+def _log_at(spectrum: Spectrum, log_frequency: FloatArray) -> FloatArray:
+    """log permittivity at log frequencies, interpolated."""
+    order = np.argsort(spectrum.frequency)
+    return np.interp(log_frequency, np.log(spectrum.frequency[order]), np.log(spectrum.permittivity[order]))
+
+
+def _spectrum(spectrum: Spectrum, scale: Mapping[str, float], scatter: float) -> list[tuple]:
     use = (spectrum.frequency > 0) & (spectrum.permittivity > 0)
     frequency, log_kappa = np.log10(spectrum.frequency[use]), np.log(spectrum.permittivity[use])
     order = np.argsort(frequency)
     rows = []
     for part in np.array_split(order, min(SPECTRUM_POINTS, len(order))) if len(order) else []:
         at = float(np.mean(frequency[part]))
-        rows.append((float(np.mean(log_kappa[part])), 0.02, "permittivity", spectrum.source, 10.0**at, 0.0,
+        mean, sd = float(np.mean(log_kappa[part])), max(scatter, 0.01)
+        rows.append((mean, sd, "permittivity", spectrum.source, 10.0**at, 0.0,
                      at / scale["log10_frequency"], 0.0))  # fmt: skip
     return rows
 

@@ -27,7 +27,7 @@ SCOUTS = 64  # parameter sets of an effect tried before the fit
 SCOUT_WIDTH = 1.3  # in prior sds
 NEARLY_OFF = -1.5  # prior sds: a half-normal amplitude at a sixth of its scale
 SPREAD = 0.7  # prior sds, of the draws that a fit from scratch looks at
-STARTS = 2  # of which so many are fitted
+STARTS = 1  # of which so many are fitted
 
 
 @dataclass(frozen=True)
@@ -60,11 +60,13 @@ def fit_hypothesis(
     thresholds: Mapping[str, Any],
     *,
     base: HypothesisFit | None = None,
+    seeds: Mapping[str, float] | None = None,
 ) -> HypothesisFit:
     """Fit ``forward``'s hypothesis, starting from the base fit where there is one.
 
     An effect's own parameters are scouted over their prior first (the calibrated ones follow linearly), so
-    that a fit does not depend on where it starts.
+    that a fit does not depend on where it starts. ``seeds``: parameters known from elsewhere (the fits of each of
+    two effects alone) make a further start.
     """
     share = thresholds["signature_tolerance"]
 

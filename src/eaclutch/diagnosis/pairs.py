@@ -11,6 +11,7 @@ from eaclutch.diagnosis.fit import scout_shifts
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.study import Study
 
+WORTH_A_PAIR = 4.0  # nats that the best single effect must gain
 LEADERS = 3  # singles that a second effect is tried on top of
 
 
@@ -21,7 +22,10 @@ def weigh_pairs(study: Study, singles: Sequence[CandidateResult], limit: int) ->
     calibrated parameters follow linearly, less what it costs in prior.
     """
     named = sorted((r for r in singles if len(r.effects) == 1), key=lambda r: -r.log_evidence)
-    if limit <= 0 or len(named) < 2:
+    alone_best = named[0].log_evidence if named else -np.inf
+    plain = max((r.log_evidence for r in singles if not r.effects), default=-np.inf)
+    # without a gap that one effect narrows there is nothing for a second one to do
+    if limit <= 0 or len(named) < 2 or alone_best < plain + WORTH_A_PAIR:
         return []
     shifts = {name: scout_shifts(study.forward((name,)), study.base) for name in study.candidates}
     factor = cho_factor(study.base.linearised.marginal(), lower=True)
@@ -39,4 +43,15 @@ def weigh_pairs(study: Study, singles: Sequence[CandidateResult], limit: int) ->
             pair = (first, second)
             scores[pair] = max(scores.get(pair, -np.inf), leader.log_evidence + float(np.max(gain)))
     best = sorted(scores, key=lambda pair: -scores[pair])[:limit]
-    return [study.weigh(pair) for pair in best]
+    alone = {r.effects[0]: r for r in named}
+    return [study.weigh(pair, _seeds([alone[name] for name in pair if name in alone])) for pair in best]
+
+
+def _seeds(singles: Sequence[CandidateResult]) -> dict[str, float]:
+    """Where two effects' own fits stand: the stronger one's calibrated parameters, both ones' own."""
+    strongest = max(singles, key=lambda r: r.log_evidence)
+    seeds = {name: float(entry["mean"]) for name, entry in strongest.calibrated.items()}
+    for single in singles:
+        for name, entry in single.parameters.items():
+            seeds[f"{single.effects[0]}.{name}"] = float(entry["mean"])
+    return seeds

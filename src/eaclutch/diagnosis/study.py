@@ -119,13 +119,15 @@ class Study:
     def forward(self, effects: Sequence[str]) -> Forward:
         return Forward(self.model(effects), self.data, effects, self.priors)
 
-    def fit(self, effects: Sequence[str]) -> HypothesisFit:
+    def fit(self, effects: Sequence[str], seeds: Mapping[str, float] | None = None) -> HypothesisFit:
         """Joint fit with ``effects`` on top of the campaign's model."""
         if not effects:
             return self.base
-        return fit_hypothesis(self.forward(effects), self.data, self.kernels, self.thresholds, base=self.base)
+        return fit_hypothesis(
+            self.forward(effects), self.data, self.kernels, self.thresholds, base=self.base, seeds=seeds
+        )
 
-    def weigh(self, effects: Sequence[str]) -> CandidateResult:
-        """Fit and score one hypothesis."""
-        fitted = self.fit(effects)
+    def weigh(self, effects: Sequence[str], seeds: Mapping[str, float] | None = None) -> CandidateResult:
+        """Fit and score one hypothesis; ``seeds``: parameters to start from as well, by name."""
+        fitted = self.fit(effects, seeds)
         return summarise(fitted, self.forward(effects), self.data, self.generator(7))
