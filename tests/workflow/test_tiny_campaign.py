@@ -10,6 +10,7 @@ import pytest
 import yaml
 
 from eaclutch.manifest import content_hash, verify
+from workflow.test_schemas import departures
 from workflow.tiny import call_snakemake
 
 pytestmark = pytest.mark.workflow
@@ -53,6 +54,10 @@ def test_the_report_is_there_and_the_manifest_holds(finished: Path) -> None:
     assert verify(results) == []
     (results / "runs.csv").touch()
     assert verify(results) == []
+
+
+def test_what_comes_out_is_what_the_schemas_say(finished: Path) -> None:
+    assert departures(finished / "results" / "tiny") == []
 
 
 def test_verify_sees_a_changed_result(finished: Path) -> None:

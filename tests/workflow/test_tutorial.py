@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 import yaml
+
 from workflow.tiny import QUICK, ROOT
 
 pytestmark = pytest.mark.workflow
@@ -30,8 +31,12 @@ def test_the_commands_of_the_first_campaign_work(tmp_path: Path) -> None:
     assert "snakemake" in commands and "verify" in commands
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     done = subprocess.run(
-        ["bash", "-euo", "pipefail", "-c", commands], cwd=tmp_path, capture_output=True, text=True, env=os.environ | {"PATH": path}
-    )  # fmt: skip
+        ["bash", "-euo", "pipefail", "-c", commands],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env=os.environ | {"PATH": path},
+    )
     assert done.returncode == 0, done.stderr[-5000:]
     assert "all results and inputs stand" in done.stdout
     html = (tmp_path / "results" / "rehearsal" / "report.html").read_text()
