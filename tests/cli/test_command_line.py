@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import subprocess
 import sys
 from pathlib import Path
@@ -63,3 +64,21 @@ def test_with_a_log_the_error_goes_there(tmp_path: Path) -> None:
     done = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 1 and done.stderr == ""
     assert (tmp_path / "logs" / "a.log").read_text().startswith("eaclutch: error: nowhere/manifest.json")
+
+
+def test_a_full_disk_is_one_line_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys) -> None:
+    from eaclutch.cli import main
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device", str(tmp_path / "out.md"))
+
+    monkeypatch.setattr("eaclutch.files.atomic", full)
+    with pytest.raises(SystemExit) as stop:
+        main(["config-readme", "--output", str(tmp_path / "out.md")])
+    assert stop.value.code == 1
+    line = capsys.readouterr().err
+    assert line.count("\n") == 1 and "No space left on device; make room" in line
+    log = tmp_path / "a.log"
+    with pytest.raises(SystemExit):
+        main(["--log", str(log), "config-readme", "--output", str(tmp_path / "out.md")])
+    assert "No space left on device; make room" in log.read_text()

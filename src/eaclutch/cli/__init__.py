@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import logging
 import pkgutil
@@ -13,6 +14,14 @@ import click
 
 from eaclutch.records import InputError
 
+# What the machine refuses, and not the program: an error line too.
+_MEND = {
+    errno.ENOSPC: "make room on the disk and start again",
+    errno.EDQUOT: "make room in the quota and start again",
+    errno.EROFS: "name a folder that can be written",
+    errno.EACCES: "give access, or name another folder",
+    errno.EPERM: "give access, or name another folder",
+}
 _LOG_FORMAT = "%(asctime)s %(levelname)s %(message)s"
 
 
@@ -83,7 +92,6 @@ def main(arguments: list[str] | None = None) -> None:
     arguments = sys.argv[1:] if arguments is None else arguments
     try:
         with group.make_context("eaclutch", list(arguments)) as ctx:
-            log = ctx.meta.get("log")
             try:
                 group.invoke(ctx)
             except click.exceptions.Exit:
@@ -92,12 +100,15 @@ def main(arguments: list[str] | None = None) -> None:
                 _stop(_from_click(error), ctx.meta.get("log"))
             except InputError as error:
                 _stop(error, ctx.meta.get("log"))
+            except OSError as error:
+                remedy = _MEND.get(error.errno or 0)
+                if remedy is None:
+                    _unexpected(ctx.meta.get("log"))
+                else:
+                    what = error.strerror or "cannot be used"
+                    _stop(InputError(error.filename or "disk", what, remedy), ctx.meta.get("log"))
             except Exception:
-                log = ctx.meta.get("log")
-                if log is None:
-                    raise
-                logging.exception("unexpected failure")
-                sys.exit(2)
+                _unexpected(ctx.meta.get("log"))
     except click.exceptions.Exit as stop:
         sys.exit(stop.exit_code)
     except click.ClickException as error:
@@ -106,11 +117,22 @@ def main(arguments: list[str] | None = None) -> None:
         sys.exit(130)
 
 
+def _unexpected(log: Path | None) -> None:
+    """Inside an except clause: a failure of ours, with all that helps to find it."""
+    if log is None:
+        raise
+    logging.exception("unexpected failure")
+    sys.exit(2)
+
+
 def _stop(error: InputError, log: Path | None) -> None:
     line = error_line(error)
-    if log is None:
-        print(line, file=sys.stderr)
-    else:
-        with log.open("a", encoding="utf-8") as stream:
-            stream.write(line + "\n")
+    if log is not None:
+        try:
+            with log.open("a", encoding="utf-8") as stream:
+                stream.write(line + "\n")
+            sys.exit(1)
+        except OSError:  # the disk that is full is the log's too
+            pass
+    print(line, file=sys.stderr)
     sys.exit(1)
