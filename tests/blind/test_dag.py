@@ -29,14 +29,9 @@ def test_only_sealing_and_unsealing_touch_answers(tmp_path: Path) -> None:
         if command := re.search(r"eaclutch --log \S+ blind (\w+) ", job):
             assert "Reason: " in job
             touched[command[1]] = touched.get(command[1], False) or "blind-answers" in job
-    assert touched == {
-        "plan": True,
-        "seal": True,
-        "unseal": True,
-        "diagnose": False,
-        "freeze": False,
-        "report": False,
-    }
+    reaching = {name for name, reached in touched.items() if reached}
+    assert reaching == {"plan", "seal", "unseal"}
+    assert set(touched) - reaching == {"diagnose", "compare", "freeze", "report"}
 
 
 @pytest.mark.workflow

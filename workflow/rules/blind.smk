@@ -1,5 +1,6 @@
 # The sealed benchmark: campaigns whose effect is withheld, diagnosed, frozen, and only then opened.
 # Answers lie in a folder of their own, which no rule reads but the one that makes campaigns and the one that scores.
+from eaclutch.blind.comparators import COMPARATORS
 from eaclutch.blind.sizes import SIZES
 
 BLIND = "results/blind"
@@ -51,16 +52,26 @@ rule blind_seal:
         " --commitments {output.commitments:q} --answers {output.answers:q}"
 
 
+wildcard_constraints:
+    size="|".join(SIZES),
+    method="[a-z][a-z0-9_-]*",
+
+
 rule blind_diagnose:
     input:
         cases=f"{BLIND}/{{size}}/cases/{{batch}}",
         commitments=f"{BLIND}/{{size}}/commitments/{{batch}}.json",
     output:
         f"{BLIND}/{{size}}/diagnosed/{{method}}/{{batch}}.json",
+    wildcard_constraints:
+        method="library|without-[a-z_]+",
     log:
         f"{BLIND}/logs/diagnose/{{size}}_{{method}}_{{batch}}.log",
     params:
         verdicts=f"{BLIND}/{{size}}/verdicts/{{method}}",
+        fits=lambda wildcards: (
+            f"--fits {BLIND}/{wildcards.size}/fits" if wildcards.method == "library" else ""
+        ),
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("blind_diagnose"),
         code=code("diagnosis.conclude", "diagnosis.pairs", "rig.batch", effects=list(EFFECTS)),
@@ -69,7 +80,28 @@ rule blind_diagnose:
     shell:
         "eaclutch --log {log} blind diagnose --commitments {input.commitments:q} --cases {input.cases:q}"
         " --method {wildcards.method} --settings {params.settings:q} --seed {params.seed} --code {params.code}"
-        " --verdicts {params.verdicts:q} --output {output:q}"
+        " --verdicts {params.verdicts:q} {params.fits} --output {output:q}"
+
+
+rule blind_compare:
+    input:
+        commitments=f"{BLIND}/{{size}}/commitments/{{batch}}.json",
+        fits=f"{BLIND}/{{size}}/diagnosed/library/{{batch}}.json",
+    output:
+        f"{BLIND}/{{size}}/diagnosed/{{method}}/{{batch}}.json",
+    wildcard_constraints:
+        method="|".join(COMPARATORS),
+    log:
+        f"{BLIND}/logs/compare/{{size}}_{{method}}_{{batch}}.log",
+    params:
+        verdicts=f"{BLIND}/{{size}}/verdicts/{{method}}",
+        fits=f"{BLIND}/{{size}}/fits",
+        code=code("blind.comparators"),
+    message:
+        "blind: {wildcards.method} on batch {wildcards.batch} of {wildcards.size}"
+    shell:
+        "eaclutch --log {log} blind compare --commitments {input.commitments:q} --fits {params.fits:q}"
+        " --method {wildcards.method} --verdicts {params.verdicts:q} --output {output:q}"
 
 
 rule blind_freeze:

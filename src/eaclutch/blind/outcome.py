@@ -67,7 +67,22 @@ def outcome(
         "distance": answer["truth"]["distance_calibrated"],
         "seconds": (side.get("run") or {}).get("seconds"),
     }
-    return row | _where(places, answer) | _closure(said, closure, answer) | _parameters(side, answer)
+    return (
+        row
+        | _left_out(side, answer)
+        | _where(places, answer)
+        | _closure(said, closure, answer)
+        | _parameters(side, answer)
+    )
+
+
+def _left_out(side: Mapping[str, Any], answer: Mapping[str, Any]) -> dict[str, Any]:
+    """What was said without the true effect in the library, where it was put in alone; None where not known."""
+    given = (side.get("without") or {}).get(answer["verdict"][0]) if answer["kind"] == "single" else None
+    if given is None:
+        return {"left_out_unknown": None, "left_out_named": None}
+    said = set(map(str, given["effects"]))
+    return {"left_out_unknown": said == {"unknown"}, "left_out_named": bool(said - {"unknown"})}
 
 
 def _where(places: list[Mapping[str, Any]], answer: Mapping[str, Any]) -> dict[str, Any]:

@@ -101,7 +101,9 @@ def _largest_slip(force: FloatArray, sd: float) -> tuple[float, float]:
     before = np.polyval(np.polyfit(count - reach, force[peak - reach : peak], 1), 0.0)
     after = np.polyval(np.polyfit(count + 1, force[trough + 1 : trough + 1 + reach], 1), 0.0)
     line_sd = 2 * sd / np.sqrt(reach)
-    height = float(max(before, 1e-3))
+    height = float(before)
+    if height < 7 * line_sd:  # the zero, or the force, is too small to take shares of
+        return np.nan, np.nan
     share = float((before - after) / height)
     return share, float(np.hypot(line_sd, line_sd * (1 - share)) / height)
 

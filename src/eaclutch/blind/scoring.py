@@ -62,6 +62,7 @@ def scores(rows: Rows) -> dict[str, Any]:
         "unknown_recognised": share(kind["unknown"], "said_unknown"),
         "wrong_name_on_unknown": share(kind["unknown"], "named"),
         "wrong_name_on_effect": share(effect, "wrong_name"),
+        "left_out": {"unknown": share(rows, "left_out_unknown"), "named": share(rows, "left_out_named")},
         "where": {key: share(effect, f"where_{key}") for key in ("observable", "phase", "factor")},
         "closure": {
             "error": mean(exact, "closure_error"),

@@ -107,7 +107,7 @@ def entry_of(row: Mapping[str, Any]) -> Entry:
     return Entry(effects=effects, **fields)
 
 
-SIDES = ("parameters", "run")  # optional files beside a verdict
+SIDES = ("parameters", "without", "run")  # optional files beside a verdict
 
 
 def freeze(verdicts: Path, cases: list[str]) -> dict[str, Any]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import click
 
 from eaclutch.blind import sealing
+from eaclutch.blind.comparators import Fits, compare
 from eaclutch.blind.generate import generate_case, write_tables
 from eaclutch.blind.plan import make_plan
 from eaclutch.blind.scoring import score
@@ -81,6 +82,7 @@ def seal(plan_file: Path, batch: int, cases: Path, commitments: Path, answers: P
     "--code", default="", help="Hash of the diagnosing code: verdicts of another one are made anew."
 )
 @click.option("--verdicts", type=_FOLDER, required=True, help="Folder for <case>.json (as diagnosis.json).")
+@click.option("--fits", type=_FOLDER, help="Folder for each case's fits, from which comparators work.")
 @_output
 def diagnose(
     commitments: Path,
@@ -90,6 +92,7 @@ def diagnose(
     seed: int,
     code: str,
     verdicts: Path,
+    fits: Path | None,
     output: Path,
 ) -> None:
     """Diagnose a batch of sealed campaigns; verdicts that the same code left there are kept."""
@@ -100,13 +103,32 @@ def diagnose(
     for case in sorted(read_json(commitments)["cases"]):
         target, run = verdicts / f"{case}.json", verdicts / f"{case}.run.json"
         if not (target.is_file() and run.is_file() and read_json(run).get("mark") == mark):
-            document, parameters, elapsed = diagnose_case(cases / case, method, json.loads(settings), seed)
-            write_json(verdicts / f"{case}.parameters.json", parameters)
+            document, sides, fitted, elapsed = diagnose_case(cases / case, method, json.loads(settings), seed)
+            if fits is not None:
+                write_json(fits / f"{case}.json", fitted)
+            for side, content in sides.items():
+                write_json(verdicts / f"{case}.{side}.json", content)
             write_json(target, document)
             write_json(run, {"seconds": elapsed, "mark": mark})
             logging.info("%s: %s", case, document["verdict"]["effects"])
         seconds[case] = read_json(run)["seconds"]
     write_json(output, {"schema": 1, "method": method, "seconds": seconds})
+
+
+@blind.command("compare")
+@click.option("--commitments", type=_FILE, required=True, help="Names the batch's cases.")
+@click.option("--fits", type=_FOLDER, required=True, help="Folder of the cases' fits.")
+@click.option("--method", required=True, help="aic, bic, largest_residual, loo or nameless_gp.")
+@click.option("--verdicts", type=_FOLDER, required=True, help="Folder for <case>.json.")
+@_output
+def compare_with(commitments: Path, fits: Path, method: str, verdicts: Path, output: Path) -> None:
+    """What a simpler method says, from the same fits."""
+    cases = sorted(read_json(commitments)["cases"])
+    for case in cases:
+        write_json(
+            verdicts / f"{case}.json", compare(method, Fits.read(read_json(fits / f"{case}.json")), case)
+        )
+    write_json(output, {"schema": 1, "method": method, "cases": cases})
 
 
 @blind.command("freeze")

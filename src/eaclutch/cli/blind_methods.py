@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import click
+import numpy as np
 import pandas as pd
 
 from eaclutch.config import load_bench
 from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.files import bursts as bursts_table
+from eaclutch.diagnosis.nameless import nameless_fit
 from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.diagnosis.verdict import decide
+from eaclutch.diagnosis.weigh import UNKNOWN, probabilities
 from eaclutch.physics.effects import BASE, EFFECTS
 from eaclutch.records import BurstFeatures, Campaign, InputError
 from eaclutch.rig.batch import extract_batch, join_batches
@@ -30,8 +35,11 @@ LEAVE_OUT = "without-"
 
 def diagnose_case(
     folder: Path, method: str, settings: Mapping[str, Any], seed: int
-) -> tuple[dict[str, Any], dict[str, Any], float]:
-    """Diagnose one campaign folder; returns (diagnosis.json, calibrated parameters before and after, seconds).
+) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any], float]:
+    """Diagnose one campaign folder.
+
+    Returns diagnosis.json, what is kept beside it (calibrated parameters before and after; what would have been
+    said without each candidate), the fits for comparators (``Fits``), and seconds.
 
     ``method``: ``library``, or ``without-<effect>`` to take a candidate out of the library.
     """
@@ -44,8 +52,37 @@ def diagnose_case(
     document = conclude(study, found)
     named = tuple(document["verdict"]["effects"])
     after = next((result for result in found if set(result.effects) == set(named)), found[0])
+    document_without = _without(study, found)
     parameters = {"before": dict(found[0].calibrated), "after": dict(after.calibrated)}
-    return document, parameters, time.monotonic() - start
+    sides = {"parameters": parameters, "without": document_without}
+    return document, sides, _fits(study, found), time.monotonic() - start
+
+
+def _without(study: Study, found: Sequence[CandidateResult]) -> dict[str, Any]:
+    """Verdicts with each candidate taken out of the library in turn; the other fits stay as they are."""
+    rest = nameless_fit(study.base.linearised, study.data, study.kernels, study.thresholds).log_evidence
+    out = {}
+    for name in study.candidates:
+        kept = [result for result in found if name not in result.effects]
+        weights = probabilities(kept, rest, study.thresholds)
+        verdict = decide(weights, kept, study.thresholds, [])
+        out[name] = {"effects": list(verdict.effects), "unknown": weights.get(UNKNOWN, 0.0)}
+    return out
+
+
+def _fits(study: Study, found: Sequence[CandidateResult]) -> dict[str, Any]:
+    """Plain numbers of all fits (``eaclutch.blind.comparators.Fits``)."""
+    count = study.data.run_entries
+    sd = np.sqrt(study.cells.variance)
+    rest = nameless_fit(study.base.linearised, study.data, study.kernels, study.thresholds)
+    return {
+        "effects": [list(result.effects) for result in found],
+        "errors": [study.cells.errors(np.array(result.errors)[:count]) / sd for result in found],
+        "left_out": [study.cells.errors(np.array(result.errors_left_out)[:count]) / sd for result in found],
+        "log_density": [result.log_density for result in found],
+        "sizes": [len(result.parameters) for result in found],
+        "nameless_gain": rest.log_evidence - found[0].log_evidence,
+    }
 
 
 def read_case(folder: Path, method: str, settings: Mapping[str, Any]) -> DiagnosisInputs:

@@ -37,6 +37,8 @@ FURTHER = (
     ("calibration error", ("calibration",)),
     ("wrong name beside an effect", ("wrong_name_on_effect",)),
     ("`unknown` said though there is no effect", ("unknown_said_without_gap",)),
+    ("effect taken out of the library: `unknown`", ("left_out", "unknown")),
+    ("effect taken out of the library: a name", ("left_out", "named")),
     ("where: observable", ("where", "observable")),
     ("where: phase", ("where", "phase")),
     ("where: factor", ("where", "factor")),
