@@ -2,6 +2,7 @@
 import hashlib
 import json
 import os
+import shutil
 import sys
 import time
 from pathlib import Path
@@ -106,3 +107,7 @@ def job_error():
         for line in path.read_text(encoding="utf-8", errors="replace").splitlines():
             if line.startswith("eaclutch: error:"):
                 return line
+    # a full disk takes the logs' lines too
+    if shutil.disk_usage(".").free < 1_000_000:
+        return f"eaclutch: error: {Path.cwd()}: the disk is full; make room and start again"
+    return None
