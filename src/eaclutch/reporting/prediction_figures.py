@@ -8,6 +8,8 @@ from eaclutch.reporting.drawing import BLUE, GREY, INK, MARKERS, SERIES, Picture
 from eaclutch.reporting.results import Results
 from eaclutch.reporting.words import number, observable_words, percent, scale_for
 
+MOST = 300  # points of a picture; the caption counts all
+
 
 def prediction_figures(results: Results) -> list[Picture]:
     """A picture for each observable that was both measured and predicted."""
@@ -22,10 +24,13 @@ def _prediction(results: Results, name: str, index: int) -> Picture | None:
         return None
     statuses = results.predictions[results.predictions["observable"] == name].drop_duplicates("run")["status"]
     table = table.merge(results.runs[["run", "session"]], on="run")
+    runs = len(table)
+    inside = float(np.mean((table["measured"] >= table["q05"]) & (table["measured"] <= table["q95"])))
+    offset = float(np.median(table["median"] - table["measured"]))
+    table = table.iloc[np.unique(np.linspace(0, runs - 1, min(runs, MOST)).astype(int))]
     scale = scale_for(table["measured"], results.observables[name].unit)
     measured, median = scale(table["measured"]), scale(table["median"])
     low, high = scale(table["q05"]), scale(table["q95"])
-    inside = float(np.mean((table["measured"] >= table["q05"]) & (table["measured"] <= table["q95"])))
     with canvas(3.7) as (figure, axes):
         for i, session in enumerate(sorted(table["session"].unique())):
             chosen = (table["session"] == session).to_numpy()
@@ -46,9 +51,11 @@ def _prediction(results: Results, name: str, index: int) -> Picture | None:
         figure.legend(loc="outside lower left", ncols=4, fontsize=8.5, handletextpad=0.1)
         strange = int((statuses != "ok").sum())
         text = (
-            f"{len(table)} runs; {percent(inside)} of the measured values lie in the 90 % interval; predicted less "
-            f"measured {number(float(np.median(median - measured)), 2)} {unit} in the median."
+            f"{runs} runs; {percent(inside)} of the measured values lie in the 90 % interval; predicted less "
+            f"measured {number(float(scale(offset)), 2)} {unit} in the median."
         )
+        if runs > len(table):
+            text += f" Drawn: {len(table)} of them."
         if strange:
             kinds = ", ".join(sorted(set(statuses) - {"ok"})).replace("_", " ")
             text += f" {strange} more without a number from the model ({kinds})."

@@ -29,9 +29,22 @@ class Thumbnail:
     force: str
 
 
+MOST = 400  # pictures of a page; runs that are not used come before the others
+
+
 def thumbnails(results: Results) -> list[Thumbnail]:
-    """One a run, in the order of runs.csv."""
-    return [_thumbnail(row, results) for row in results.runs.to_dict("records")]
+    """One a run, in the order of runs.csv; of a larger campaign those not used, then evenly spaced ones."""
+    rows = results.runs.to_dict("records")
+    if len(rows) > MOST:
+        unused = [row for row in rows if not _used(row)][:MOST]
+        used = [row for row in rows if _used(row)]
+        step = max(1, -(-len(used) // max(MOST - len(unused), 1)))
+        rows = unused + used[::step]
+    return [_thumbnail(row, results) for row in rows]
+
+
+def _used(row: dict) -> bool:
+    return str(row["usable"]).lower() == "true"
 
 
 def _thumbnail(row: dict, results: Results) -> Thumbnail:
@@ -48,7 +61,7 @@ def _thumbnail(row: dict, results: Results) -> Thumbnail:
     return Thumbnail(
         run=row["run"],
         title=f"{row['voltage_v']:g} V, {frequency}, {row['width_mm']:g} mm, {row['session']}",
-        usable=str(row["usable"]).lower() == "true",
+        usable=_used(row),
         flags=flags,
         reasons=tuple(reasons),
         why=f"left out: {excluded}" if excluded else "; ".join(dict.fromkeys([*flags, *by_reason])),
