@@ -36,7 +36,7 @@ def test_percent_is_never_certain_of_what_is_not(share: float | None, text: str)
 def test_units_take_a_prefix_that_suits_the_values() -> None:
     scale = scale_for([1.1e-3, 0.9e-3, 1.3e-3], "s")
     assert scale.unit == "ms" and float(scale(1e-3)) == pytest.approx(1)
-    assert scale_for([0.3], "1").unit == "" and scale_for([18018.0], "N/m").unit == "N/m"
+    assert scale_for([0.3], "1").unit == "" and scale_for([18018.0], "N/m").unit == "kN/m"
 
 
 def test_names() -> None:
