@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import logging
+from datetime import date
 from pathlib import Path
 
 import click
@@ -12,9 +13,12 @@ import click
 from eaclutch.blind import sealing
 from eaclutch.blind.comparators import Fits, compare
 from eaclutch.blind.generate import generate_case, write_tables
+from eaclutch.blind.measured_noise import measure_noise
 from eaclutch.blind.plan import make_plan
 from eaclutch.blind.scoring import score
 from eaclutch.files import read_json, write_json, write_text
+from eaclutch.provenance import commit
+from eaclutch.rig.log_names import EXTENSIONS
 
 _FILE = click.Path(dir_okay=False, path_type=Path)
 _FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -191,6 +195,18 @@ def report(score_file: Path, newest: Path | None, output: Path) -> None:
     for path in (output, newest):
         if path is not None:
             write_text(path, page)
+
+
+@blind.command("noise")
+@click.option("--campaign", type=_FOLDER, required=True, help="Folder of published recordings.")
+@_output
+def noise(campaign: Path, output: Path) -> None:
+    """Measure what disturbs published logs: the statistics that the generator's noise follows."""
+    logs = [path for path in (campaign / "tensile").iterdir() if path.name.endswith(EXTENSIONS)]
+    found = {"command": "eaclutch blind noise --campaign <published recordings> --output <file>"}
+    write_json(
+        output, found | {"commit": commit(), "date": f"{date.today()}", "sessions": measure_noise(logs)}
+    )
 
 
 COMMANDS: list[click.Command] = [blind]
