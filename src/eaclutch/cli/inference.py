@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import logging
+from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -88,6 +90,35 @@ def capacity_data(runs: pd.DataFrame, bench: Bench) -> CapacityData | None:
     )
 
 
+def stage_inputs(stage: str, campaign: Path, results: Path, chosen: Mapping[str, Any]) -> StageInputs:
+    """What a stage rests on: campaign, earlier stages' files in ``results``, config sections."""
+    config, model = chosen["posterior"], chosen.get("model", {})
+    opened = open_campaign(campaign)
+    arguments = model_arguments(model)
+    known = ClutchModel(opened.bench, **arguments, force_multiplier_form="linear").parameters
+    inputs = StageInputs(opened.bench, with_priors(known, chosen.get("priors", {})), model=arguments)
+    files = [results / "posterior" / f"{name}.nc" for name in _earlier(stage)]
+    inputs = replace(inputs, earlier=[path for path in files if path.is_file()])
+    if stage == "dielectric":
+        return replace(inputs, spectra=read_spectra(opened), spectra_weights=config["spectra_weights"])
+    if stage == "load_cell":
+        return replace(inputs, bursts=_bursts(results))
+    if stage == "contact":
+        readings = read_capacitance(opened)
+        contact = ContactSettings(
+            force_sd=config["capacitance_force_sd_n"], force_max=config["capacitance_force_max_n"],
+            widths=tuple(w * 1e-3 for w in config["capacitance_widths_mm"]),
+            stray_sd=config["stray_capacitance_sd_pf"] * 1e-12,
+        )  # fmt: skip
+        return replace(inputs, readings=readings if len(readings.force) else None, contact=contact)
+    form = model.get("force_multiplier_form", "linear")
+    return replace(inputs, capacity=capacity_data(_runs(results), opened.bench), multiplier_form=form)
+
+
+def _earlier(stage: str) -> tuple[str, ...]:
+    return {"contact": ("dielectric",), "force": ("dielectric", "load_cell", "contact")}.get(stage, ())
+
+
 @click.command("posterior")
 @click.argument("stage", type=click.Choice(STAGES))
 @_common
@@ -98,48 +129,17 @@ def posterior(
 ) -> None:
     """Sample a STAGE of the posterior (.nc) and say whether it converged (.gate.json)."""
     chosen = json.loads(settings)
-    config, model = chosen["posterior"], chosen.get("model", {})
-    opened = open_campaign(campaign)
-    arguments = model_arguments(model)
-    form = model.get("force_multiplier_form", "linear")
-    known = ClutchModel(opened.bench, **arguments, force_multiplier_form="linear").parameters
-    inputs: dict[str, Any] = {
-        "bench": opened.bench,
-        "parameters": with_priors(known, chosen.get("priors", {})),
-    }
-    inputs["earlier"] = [path for name in _earlier(stage) if (path := output.parent / f"{name}.nc").is_file()]
-    if stage == "dielectric":
-        inputs |= {"spectra": read_spectra(opened), "spectra_weights": config["spectra_weights"]}
-    elif stage == "load_cell":
-        inputs["bursts"] = _bursts(results)
-    elif stage == "contact":
-        readings = read_capacitance(opened)
-        inputs["readings"] = readings if len(readings.force) else None
-        inputs["contact"] = ContactSettings(
-            force_sd=config["capacitance_force_sd_n"], force_max=config["capacitance_force_max_n"],
-            widths=tuple(w * 1e-3 for w in config["capacitance_widths_mm"]),
-            stray_sd=config["stray_capacitance_sd_pf"] * 1e-12,
-        )  # fmt: skip
-    else:
-        inputs |= {
-            "capacity": capacity_data(_runs(results), opened.bench),
-            "multiplier_form": form,
-            "model": arguments,
-        }
-    problem = stage_problem(stage, StageInputs(**inputs), np.random.default_rng([seed, 7]))
-    problem = with_code(problem, code_hash(["inference.posterior"], arguments["effects"]))
+    inputs = stage_inputs(stage, campaign, results, chosen)
+    problem = stage_problem(stage, inputs, np.random.default_rng([seed, 7]))
+    problem = with_code(problem, code_hash(["inference.posterior"], (inputs.model or {}).get("effects", ())))
     for note in problem.notes:
         logging.info("%s: %s", stage, note)
-    sampler = sampler_settings(config)
+    sampler = sampler_settings(chosen["posterior"])
     checkpoint = output.with_suffix(".checkpoint.npz")
     data, sampled = run_stage(problem, sampler, seed, checkpoint)
     storage.save(output, data)
     write_json(gate_file, gate(problem, sampler, sampled))
     checkpoint.unlink(missing_ok=True)
-
-
-def _earlier(stage: str) -> tuple[str, ...]:
-    return {"contact": ("dielectric",), "force": ("dielectric", "load_cell", "contact")}.get(stage, ())
 
 
 @click.command("posterior-summary")
