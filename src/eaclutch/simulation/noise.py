@@ -51,9 +51,9 @@ class BenchNoise:
     voltage_white: float = 0.4  # V
     voltage_offset: float = 1.9  # V read at ground
     capacity_scatter_slip: float = 0.03
-    capacity_scatter_run: float = 0.03
-    kinetic_scatter_run: float = 0.03
-    preload_scatter_run: float = 0.08
+    capacity_scatter_run: float = 0.08
+    kinetic_scatter_run: float = 0.04
+    preload_scatter_run: float = 0.25
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
