@@ -21,7 +21,7 @@ import solver_reference as reference
 from measurement import record
 from solver_draws import draws
 
-from eaclutch.physics.kernels.batch import RESULTS, STATUSES, simulate_batch, simulate_share
+from eaclutch.physics.kernels.batch import RESULTS, STATUSES, simulate_share
 from eaclutch.physics.kernels.ramp import driven_run
 from eaclutch.physics.kernels.statics import driven_gap, rest_before
 from eaclutch.physics.model import TOLERANCE
@@ -64,9 +64,22 @@ def scipy_times(rows: np.ndarray) -> dict[str, float]:
     for row in fewer:
         preload, before = rest_before(row, table)
         _, driven = driven_gap(row, preload, before, table)
-        rests.append((row, preload, before, driven, driven_run(row, driven, before, table)[2]))
-    plain_e = cpu_time(lambda: [plain.engagement(row, p, b, d) for row, p, b, d, _ in rests], 1) / len(fewer)
-    plain_r = cpu_time(lambda: [plain.release(row, p, d, f) for row, p, _, d, f in rests], 1) / len(fewer)
+        rests.append(
+            (
+                row,
+                plain.step_response(row),
+                preload,
+                before,
+                driven,
+                driven_run(row, driven, before, table)[2],
+            )
+        )
+    plain_e = cpu_time(lambda: [plain.engagement(row, e, p, b, d) for row, e, p, b, d, _ in rests], 1) / len(
+        fewer
+    )
+    plain_r = cpu_time(lambda: [plain.release(row, e, p, d, f) for row, e, p, _, d, f in rests], 1) / len(
+        fewer
+    )
     return {"lsoda_engagement": lsoda_e * 1e6, "lsoda_release": lsoda_r * 1e6,
             "plain_engagement": plain_e * 1e6, "plain_release": plain_r * 1e6}  # fmt: skip
 
@@ -91,16 +104,15 @@ def big_batch(draws_count: int = 1000, runs: int = 311) -> dict[str, float]:
 
 def scaling(rows: np.ndarray) -> dict[str, list[list[float]]]:
     """Cost [us] against batch size, and against the error reached (tolerances 1e-3 .. 1e-7 against 1e-9)."""
+    model, conditions, parameters = draws(512)
+    wanted = ["engagement_time_s", "release_time_90_s"]
     sizes = []
-    for n in (1, 4, 16, 64, 256, 1024, 4096):
-        part = np.resize(rows, n)
-        out, status = np.empty((n, len(RESULTS))), np.empty((n, len(STATUSES)), np.int8)
-
-        def run(part: np.ndarray = part, out: np.ndarray = out, status: np.ndarray = status) -> None:
-            simulate_batch(part, tables(), True, True, 0.005, TOLERANCE, out, status)
-
-        run()
-        sizes.append([float(n), cpu_time(run, 5) / n * 1e6])
+    for n in (1, 4, 16, 64, 256, 1024, 4096, 16384):
+        runs, repeats = min(n, 512), max(1, n // 512)
+        part = {name: np.repeat(value[:, :runs], repeats, axis=0) for name, value in parameters.items()}
+        some = conditions.select(np.arange(runs))
+        model.predict(some, part, wanted)
+        sizes.append([float(n), cpu_time(lambda s=some, p=part: model.predict(s, p, wanted), 5) / n * 1e6])  # type: ignore[misc]
     n = len(rows)
     exact, status = np.empty((n, len(RESULTS))), np.empty((n, len(STATUSES)), np.int8)
     simulate_share(rows, 0, 1, tables(), True, True, 0.005, 1e-9, exact, status)
@@ -130,12 +142,18 @@ def draw_plot(found: dict[str, list[list[float]]], target: Path) -> None:
     figure, (left, right) = plt.subplots(1, 2, figsize=(9, 3.6), layout="constrained")
     size = np.array(found["size_us"])
     left.loglog(size[:, 0], size[:, 1], "o-")
-    left.set(xlabel="simulations in a batch", ylabel="CPU time a simulation, engagement + release [us]")
+    left.set(
+        xlabel="simulations in a batch",
+        ylabel="CPU time a simulation [us]",
+        title="predict: engagement and release",
+    )
     a = np.array(found["tolerance_q99_engagement_release_us_engagement_release"])
     right.loglog(a[:, 1], a[:, 3], "o-", label="engagement")
     right.loglog(a[:, 2], a[:, 4], "s-", label="release")
     right.set(xlabel="relative error of the time, 99 % of draws below", ylabel="CPU time a simulation [us]")
     right.legend(frameon=False)
+    right.set_ylim(1.0, 100.0)
+    right.set_title("solver alone, one core")
     target.parent.mkdir(parents=True, exist_ok=True)
     figure.savefig(target, dpi=120, metadata={"Software": None})
 

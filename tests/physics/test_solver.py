@@ -76,7 +76,7 @@ def test_film_step_has_order_four(model, runs):
         t, h, v, dt = 3e-6, driven + 2e-8, 0.02, 24e-6 / steps
         for _ in range(steps):
             slopes = film.net_force_slopes(row, t, h, v, load, before, RELEASING, tables())
-            h, v, _ = film.rodas_step(row, t, h, v, dt, slopes, load, before, RELEASING, tables())
+            h, v, *_ = film.rodas_step(row, t, h, v, dt, slopes, load, before, RELEASING, tables())
             t += dt
         return h
 

@@ -73,7 +73,7 @@ def mittag_leffler(exponent: float, y: float) -> float:
     cut = -exponent * np.log(y)
     width = 1.0 - exponent
     edges = np.unique([*np.arange(-40.0, 41.0, 2.0), -width, width, *(cut + np.arange(-4.0, 5.0))])
-    total = sum(quad(density, a, b, epsabs=0, epsrel=1e-11, limit=200)[0] for a, b in pairwise(edges))
+    total = sum(quad(density, a, b, epsabs=1e-16, epsrel=1e-11, limit=200)[0] for a, b in pairwise(edges))
     return float(sine / (np.pi * exponent) * total)
 
 

@@ -23,7 +23,7 @@ def engagement_time(p, preload, gap_before, gap_driven, fraction, tolerance, tab
     dt = 0.1 * scale
     slopes = net_force_slopes(p, 1e-2 * dt, h, v, load, gap_before, ENGAGING, tables)
     for _ in range(2000):
-        new_h, new_v, error = rodas_step(p, t, h, v, dt, slopes, load, gap_before, ENGAGING, tables)
+        new_h, new_v, error, _ = rodas_step(p, t, h, v, dt, slopes, load, gap_before, ENGAGING, tables)
         ratio = error / (tolerance * (gap_before - gap_driven))
         if not ratio <= 1.0:
             dt = next_step(dt, ratio) if ratio == ratio else 0.2 * dt
@@ -59,7 +59,7 @@ def _locate(p, t, h, v, dt, end_h, end_v, target, slopes, load, gap_before, tabl
         s = new
     length = s * dt
     for _ in range(4):
-        trial_h, trial_v, _ = rodas_step(p, t, h, v, length, slopes, load, gap_before, ENGAGING, tables)
+        trial_h, trial_v, _, _ = rodas_step(p, t, h, v, length, slopes, load, gap_before, ENGAGING, tables)
         step = (trial_h - target) / trial_v
         length = min(max(length - step, 0.0), dt)
         if abs(step) < 1e-4 * length:

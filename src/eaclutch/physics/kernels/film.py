@@ -54,7 +54,7 @@ def _solve(determinant, g, gv, fh, r1, r2):
 
 @compiled
 def rodas_step(p, t, h, v, dt, slopes, load, gap_before, phase, tables):
-    """(h, v, error in h) after one step; ``slopes`` = net_force_slopes at (t, h, v)."""
+    """(h, v, error in h, error in v) after one step; ``slopes`` = net_force_slopes at (t, h, v)."""
     inverse_mass = 1.0 / p.film_mass
     f0, fh, fv, ft = slopes[0] * inverse_mass, slopes[1] * inverse_mass, slopes[2] * inverse_mass, slopes[3]
     ft *= inverse_mass
@@ -101,7 +101,7 @@ def rodas_step(p, t, h, v, dt, slopes, load, gap_before, phase, tables):
         b + (C61 * h1 + C62 * h2 + C63 * h3 + C64 * h4 + C65 * h5) * i,
         f + (C61 * v1 + C62 * v2 + C63 * v3 + C64 * v4 + C65 * v5) * i,
     )  # fmt: skip
-    return a + h6, b + v6, abs(h6)
+    return a + h6, b + v6, abs(h6), abs(v6)
 
 
 @compiled

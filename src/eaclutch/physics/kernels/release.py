@@ -28,12 +28,14 @@ def _frictions(p, lift, normal_base):
 
 
 @compiled
-def _inertia(p, slopes, v, dt):
-    """m_d h'' [N]. Over steps long against m_d / c the net force is a small difference of large ones and holds
-    little but the error in v; there m_d h'' follows the slow forces, (m_d / c) d/dt of them at fixed v."""
+def _inertia(p, slopes, v, error_v):
+    """m_d h'' [N]. The net force is a small difference of large ones and carries the error in v times the damping;
+    where that outweighs it, m_d h'' follows the slow forces: (m_d / c) d/dt of them at fixed v."""
     net, by_h, by_v, by_t = slopes
     slow = -p.film_mass / by_v * (by_h * v + by_t)
-    return slow + (net - slow) * math.exp(by_v / p.film_mass * dt)
+    noise = by_v * error_v
+    apart = net - slow
+    return slow + apart * apart * apart / (apart * apart + noise * noise + 1e-300)
 
 
 @compiled
@@ -92,13 +94,15 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
         else:
             dt = min(dt, END - t)
             if damped:
-                new_h, new_v, error = rodas_step(p, t, h, v, dt, slopes, load, gap_before, RELEASING, tables)
+                new_h, new_v, error, error_v = rodas_step(
+                    p, t, h, v, dt, slopes, load, gap_before, RELEASING, tables
+                )
                 ratio = error / (tolerance * way)
                 if not ratio <= 1.0:
                     dt = next_step(dt, ratio) if ratio == ratio else 0.2 * dt
                     continue
                 slopes = net_force_slopes(p, t + dt, new_h, new_v, load, gap_before, RELEASING, tables)
-                new_inertia = _inertia(p, slopes, new_v, dt)
+                new_inertia = _inertia(p, slopes, new_v, error_v)
             else:
                 new_h, new_v = equilibrium(p, t + dt, h, load, gap_before, RELEASING, tables)
                 ratio = (0.02 * (fast + t) / dt) ** -4 * 0.5 if dt > 0.0 else 0.0
