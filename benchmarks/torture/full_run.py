@@ -26,7 +26,7 @@ import numpy as np
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT / "tests"))
+sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tests")]
 
 from eaclutch.files import write_json  # noqa: E402
 from eaclutch.manifest import content_hash, verify  # noqa: E402
