@@ -19,7 +19,7 @@ from eaclutch.physics.effect import Parameter, Prior
 from eaclutch.physics.parameters import base_parameters
 from eaclutch.records import Bench, BurstFeatures, InputError
 
-QUICK = SamplerSettings(ensembles=2, walkers=12, check_every=100, max_steps=100)
+QUICK = SamplerSettings(ensembles=2, walkers=12, check_every=60, max_steps=60, warm_up=60)
 PARAMETERS = dict(HYPERPARAMETERS) | base_parameters(Bench("x"), "linear")
 
 

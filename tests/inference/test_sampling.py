@@ -14,7 +14,7 @@ from eaclutch.inference.sampling import SamplerSettings, sample
 from eaclutch.physics.effect import Parameter, Prior
 from eaclutch.records import InputError
 
-QUICK = SamplerSettings(ensembles=4, walkers=12, check_every=150, max_steps=3000)
+QUICK = SamplerSettings(ensembles=4, walkers=12, check_every=150, max_steps=3000, warm_up=100)
 
 
 def gaussian(size=3, seed=0, **fingerprint) -> tuple[Problem, np.ndarray, np.ndarray]:

@@ -25,7 +25,9 @@ with warnings.catch_warnings():
     import arviz
 
 PARAMETERS = dict(HYPERPARAMETERS) | base_parameters(Bench("x"), "linear")
-SETTINGS = SamplerSettings(ensembles=2, walkers=20, check_every=200, max_steps=1200, stored_draws=100)
+SETTINGS = SamplerSettings(
+    ensembles=2, walkers=20, check_every=200, max_steps=1200, stored_draws=100, warm_up=150
+)
 GROUPS = {"posterior", "prior", "posterior_predictive", "log_likelihood", "observed_data", "sample_stats"}
 
 

@@ -61,12 +61,14 @@ rule posterior_summary:
         draws=expand(results("posterior/{stage}.nc"), stage=STAGES),
         gates=expand(results("posterior/{stage}.gate.json"), stage=STAGES),
     output:
-        results("posterior/summary.json"),
+        summary=results("posterior/summary.json"),
+        sensitivity=results("posterior/sensitivity.json"),
     log:
         log_of("posterior_summary"),
     params:
-        code=code("inference.storage"),
+        code=code("inference.summary"),
     message:
         "posterior: table of all stages"
     shell:
-        "eaclutch --log {log} posterior-summary --output {output:q} {input.draws:q}"
+        "eaclutch --log {log} posterior-summary --output {output.summary:q}"
+        " --sensitivity {output.sensitivity:q} {input.draws:q}"

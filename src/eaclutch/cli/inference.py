@@ -30,7 +30,7 @@ from eaclutch.inference.prediction import GIVEN, Measured
 from eaclutch.inference.problem import STAGES
 from eaclutch.inference.stages.contact import ContactSettings
 from eaclutch.inference.stages.force import CapacityData
-from eaclutch.inference.summary import summarise
+from eaclutch.inference.summary import sensitivities, summarise
 from eaclutch.physics.effects import BASE
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.prediction import OBSERVABLES
@@ -145,9 +145,12 @@ def posterior(
 @click.command("posterior-summary")
 @click.argument("files", nargs=-1, required=True, type=_FILE)
 @click.option("--output", type=_FILE, required=True, help="summary.json to write.")
-def posterior_summary(files: tuple[Path, ...], output: Path) -> None:
+@click.option("--sensitivity", type=_FILE, help="Prior sensitivities and conflicts to write (json).")
+def posterior_summary(files: tuple[Path, ...], output: Path, sensitivity: Path | None) -> None:
     """Means, quantiles and diagnostics of all stages (summary.json) from their FILES."""
     write_json(output, summarise(files))
+    if sensitivity is not None:
+        write_json(sensitivity, sensitivities(files))
 
 
 @click.command("predict")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -18,6 +19,7 @@ from eaclutch.inference.priors import Priors
 from eaclutch.inference.problem import Problem
 from eaclutch.inference.response import Response
 from eaclutch.inference.sampling import Sampled, SamplerSettings, sample
+from eaclutch.inference.sensitivity import sensitivity, warnings_of
 from eaclutch.inference.stages.contact import ContactSettings, FilmOffset, contact_problem
 from eaclutch.inference.stages.dielectric import dielectric_problem
 from eaclutch.inference.stages.force import CapacityData, force_problem
@@ -89,7 +91,13 @@ def run_stage(
             problem.stage, "converged" if sampled.converged else f"NOT converged ({'; '.join(sampled.failures)})",
             sampled.total_steps, sampled.evaluations, sampled.seconds, sampled.evaluations_per_second,
         )  # fmt: skip
-    return storage.inference_data(problem, settings, seed, sampled), sampled
+    data = storage.inference_data(problem, settings, seed, sampled)
+    if sampled is not None:
+        rows = sensitivity(problem.priors, sampled.flat, sampled.log_density.reshape(-1))
+        data.attrs["sensitivity"] = json.dumps(rows, sort_keys=True)
+        for line in warnings_of(problem.stage, rows):
+            logger.warning(line)
+    return data, sampled
 
 
 def gate(problem: Problem, settings: SamplerSettings, sampled: Sampled | None) -> dict[str, Any]:

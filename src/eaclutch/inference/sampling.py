@@ -19,14 +19,13 @@ from eaclutch.inference.problem import Problem, digest
 from eaclutch.inference.start import starting_walkers
 from eaclutch.records import FloatArray
 
-WARM_UP = 400  # steps before the jump target is fixed; dropped
 BURN_IN = 0.05  # share of the steps after warm-up that is dropped too
 
 
 @dataclass(frozen=True)
 class SamplerSettings:
     """ensembles, walkers (raised to 4 x parameters where that is more), steps between checks, limit of steps,
-    thresholds of the gate, draws that are stored per ensemble."""
+    thresholds of the gate, draws that are stored per ensemble, steps before the jump target is fixed (dropped)."""
 
     ensembles: int = 4
     walkers: int = 24
@@ -34,6 +33,7 @@ class SamplerSettings:
     max_steps: int = 20000
     thresholds: Thresholds = field(default_factory=Thresholds)
     stored_draws: int = 500
+    warm_up: int = 400
 
     def walkers_for(self, params: int) -> int:
         walkers = max(self.walkers, 4 * params)
@@ -80,7 +80,7 @@ def sample(
     """
     started = time.perf_counter()
     fingerprints = {**problem.fingerprints(), "sampler": digest([seed, settings.ensembles, settings.walkers,
-                                                                 settings.check_every])}  # fmt: skip
+                                                                 settings.check_every, settings.warm_up])}  # fmt: skip
     if checkpoint is not None and checkpoint.exists():
         state = checkpoints.load(checkpoint, fingerprints)
         progress(f"{problem.stage}: resuming at step {state.chain.shape[1]}")
@@ -121,10 +121,10 @@ def _begin(problem: Problem, settings: SamplerSettings, seed: int) -> Checkpoint
         target = Target(start.mode, start.root)
         position, density = start.walkers, problem.log_density(start.walkers)
         for _ in range(2):  # the second half of each pass gives the next target
-            chain, densities, random = _run(problem, position, density, random, target, WARM_UP // 2)
+            chain, densities, random = _run(problem, position, density, random, target, settings.warm_up // 2)
             target = Target.of(chain[len(chain) // 2 :].reshape(-1, size))
             position, density = chain[-1], densities[-1]
-        evaluations = start.evaluations + WARM_UP * walkers
+        evaluations = start.evaluations + settings.warm_up * walkers
         warm.append((position, density, random, target, evaluations))
     return Checkpoint(
         np.stack([w[0] for w in warm])[:, None], np.stack([w[1] for w in warm])[:, None],

@@ -42,3 +42,13 @@ def summarise(paths: Sequence[Path]) -> dict[str, Any]:
             "converged": found.converged, "source": found.source, "parameters": parameters,
         }  # fmt: skip
     return summary
+
+
+def sensitivities(paths: Sequence[Path]) -> dict[str, Any]:
+    """posterior/sensitivity.json: {stage: {parameter: measures}}; null for a stage that rests on its prior."""
+    found = {}
+    for path in paths:
+        attributes = storage.load(Path(path)).attributes
+        text = attributes.get("sensitivity")
+        found[str(attributes["stage"])] = json.loads(str(text)) if text is not None else None
+    return found
