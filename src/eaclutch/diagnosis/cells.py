@@ -75,6 +75,20 @@ def cells_of(data: DataVector, native_variance: dict[str, float]) -> Cells:
     )
 
 
+def repeat_variance(data: DataVector, native_variance: dict[str, float]) -> FloatArray:
+    """Variance (entries,) of each entry on the comparison scale that the repeats alone imply.
+
+    The floor's own noise: what the statistic divides by. Bench entries keep the noise they were given.
+    """
+    variance = data.noise_sd**2
+    by_name = {channel.name: channel for channel in data.channels}
+    for i in range(data.run_entries):
+        channel = by_name[data.channel[i]]
+        scale = float(channel.backward(data.values[i])) if channel.scale == "log" else channel.unit_scale
+        variance[i] = native_variance[channel.name] / data.count[i] / scale**2
+    return variance
+
+
 def native_variances(table: pd.DataFrame, data: DataVector) -> tuple[dict[str, float], dict[str, int]]:
     """Repeat variance of a single run of each observable in its unit squared, and its degrees of freedom.
 

@@ -11,7 +11,6 @@ from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, tot
 from eaclutch.diagnosis.gate import adequacy, simulate_null
 from eaclutch.diagnosis.gaussian import leave_out
 from eaclutch.diagnosis.localise import localise
-from eaclutch.diagnosis.nameless import nameless_fit
 from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups
 from eaclutch.diagnosis.study import Study
@@ -27,11 +26,11 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
     linearised = study.base.linearised
     _, groups = condition_groups(study.data)
     left = leave_out(linearised, groups)
-    strict = study.kernels.total(tolerance=0.0, session=study.base.multipliers[1])
+    strict = study.kernels.total(tolerance=0.0, session=study.base.multipliers[1], scatter=False)
+    strict += np.diag(study.repeat_variance - study.kernels.noise_variance)
     null = simulate_null(linearised, strict, study.generator(11), CAMPAIGNS)
     gate_p, _ = adequacy(linearised, left, np.where(study.data.condition != "", study.data.block, ""), null)
-    nameless = nameless_fit(linearised, study.data, study.kernels, study.thresholds)
-    weights = probabilities(results, nameless.log_evidence, study.thresholds)
+    weights = probabilities(results, study.thresholds)
     notes = caveats(study)
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)

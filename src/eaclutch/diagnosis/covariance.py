@@ -21,7 +21,10 @@ from eaclutch.records import FloatArray
 class Kernels:
     """Correlation matrices (entries, entries) of a data vector, worked out once a campaign."""
 
-    noise_variance: FloatArray  # (entries,)
+    noise_variance: FloatArray  # (entries,) of the repeats' mean
+    scatter_variance: (
+        FloatArray  # (entries,) what the model misses of one (condition, session) apart from others
+    )
     session: FloatArray  # scaled by the blocks' session sds
     tolerance: FloatArray  # scaled by the blocks' tolerances
     smooth: FloatArray  # correlation of an effect's own law being off, within and across channels
@@ -34,8 +37,10 @@ class Kernels:
         session: FloatArray | float = 1.0,
         signature: FloatArray | None = None,
         signature_tolerance: float = 0.0,
+        scatter: bool = True,
     ) -> FloatArray:
-        """Covariance (entries, entries). ``tolerance`` and ``session`` multiply the sds (a number or one an
+        """Covariance (entries, entries). ``scatter``: False leaves out what only the model misses.
+        ``tolerance`` and ``session`` multiply the sds (a number or one an
         entry); ``signature`` (entries,) is an effect's own shift of the prediction."""
         t = np.broadcast_to(np.asarray(tolerance, float), self.noise_variance.shape)
         s = np.broadcast_to(np.asarray(session, float), self.noise_variance.shape)
@@ -43,7 +48,7 @@ class Kernels:
         if signature is not None and signature_tolerance > 0:
             scaled = signature_tolerance * signature
             out = out + self.smooth * np.outer(scaled, scaled)
-        out[np.diag_indices_from(out)] += self.noise_variance
+        out[np.diag_indices_from(out)] += self.noise_variance + (self.scatter_variance if scatter else 0.0)
         return out
 
 
@@ -66,7 +71,8 @@ def kernels(data: DataVector, thresholds: Mapping[str, Any]) -> Kernels:
         together = np.array([term["sd"] * term["blocks"].get(b, 0.0) for b in data.block])
         tolerance = tolerance + np.outer(together, together)
     return Kernels(
-        data.noise_sd**2 + scatter**2,
+        data.noise_sd**2,
+        scatter**2,
         np.outer(session_sd, session_sd) * between * same_offset,
         tolerance,
         across * shape,

@@ -27,13 +27,22 @@ class NullSet:
 def simulate_null(
     fit: Linearised, strict_covariance: FloatArray, rng: np.random.Generator, campaigns: int = 400
 ) -> NullSet:
-    """Draw data vectors around the fitted model, parameters drawn from their prior as well."""
-    size = len(fit.w)
-    shift = rng.standard_normal((campaigns, fit.jacobian.shape[1])) @ fit.jacobian.T
-    root = np.linalg.cholesky(fit.covariance)
+    """Draw data vectors of the fitted model: parameters from their posterior, fresh noise and tolerance.
+
+    From the posterior and not the prior: a parameter that the campaign pins down far from where its prior
+    expected it (a force zero) must not blow up the floor of every left-out prediction.
+    """
+    size, count = fit.jacobian.shape
+    gain = np.linalg.solve(fit.marginal(), fit.jacobian)
+    posterior = np.eye(count) - fit.jacobian.T @ gain
+    values, vectors = np.linalg.eigh(0.5 * (posterior + posterior.T))
+    root = vectors * np.sqrt(np.maximum(values, 0.0))
+    draws = gain.T @ fit.w + rng.standard_normal((campaigns, count)) @ root.T
+    shift = draws @ fit.jacobian.T
+    tolerant_root = np.linalg.cholesky(fit.covariance)
     strict_root = np.linalg.cholesky(strict_covariance)
     white = rng.standard_normal((campaigns, size))
-    return NullSet(white @ root.T + shift, white @ strict_root.T + shift)
+    return NullSet(white @ tolerant_root.T + shift, white @ strict_root.T + shift)
 
 
 def adequacy(

@@ -17,9 +17,12 @@ from eaclutch.inference.priors import Priors
 from eaclutch.records import FloatArray
 
 STEP = 0.03  # finite differences, in prior sds
-SHORTER = np.array([1.0, 0.5, 0.2, 0.05])  # fractions of a Gauss-Newton step that are tried at once
+DAMPING = np.array(
+    [0.0, 0.3, 3.0, 30.0, 300.0]
+)  # Levenberg-Marquardt, of the Hessian's diagonal; tried at once
 LARGEST_STEP = 3.0  # prior sds a parameter may move at once
-ITERATIONS = 10
+ITERATIONS = 12
+STEEP = 1.0  # change of an entry per prior sd that is looked at from the other side too
 ENOUGH = 0.05  # nats of predicted gain below which a fit has converged
 
 
@@ -68,17 +71,16 @@ def find_mode(
         weighted = cho_solve(factor, jacobian)
         residual = values - predicted
         hessian = jacobian.T @ weighted + np.eye(len(u))
-        step = np.linalg.solve(hessian, weighted.T @ residual - u)
-        gain = 0.5 * float(step @ hessian @ step)
+        gradient = weighted.T @ residual - u
+        gain = 0.5 * float(gradient @ np.linalg.solve(hessian, gradient))
         if gain < ENOUGH and iteration > 0:
             converged = True
             break
-        step *= min(1.0, LARGEST_STEP / max(float(np.max(np.abs(step))), 1e-12))
-        trials = u + SHORTER[:, None] * step
+        trials = u + _steps(hessian, gradient)
         found = forward.predict(priors.from_normal(trials))
         cost = _cost(values - found, trials, factor)
         best = int(np.argmin(cost))
-        if cost[best] >= _cost(residual[None], u[None], factor)[0]:
+        if cost[best] > _cost(residual[None], u[None], factor)[0] - 1e-3:
             converged = gain < 1.0
             if iteration > 0:
                 break
@@ -91,13 +93,34 @@ def find_mode(
     return Mode(priors, u, theta, sd, predicted, jacobian, posterior, converged)
 
 
+def _steps(hessian: FloatArray, gradient: FloatArray) -> FloatArray:
+    """Damped Gauss-Newton steps (dampings, params), none longer than LARGEST_STEP in any parameter."""
+    diagonal = np.diag(np.diag(hessian))
+    steps = np.stack([np.linalg.solve(hessian + d * diagonal, gradient) for d in DAMPING])
+    longest = np.max(np.abs(steps), axis=1, keepdims=True)
+    return steps * np.minimum(1.0, LARGEST_STEP / np.maximum(longest, 1e-12))
+
+
 def columns(forward: Forward, u: FloatArray) -> FloatArray:
-    """d prediction / d u (entries, params) by forward differences on the representative runs."""
+    """d prediction / d u (entries, params) by forward differences on the representative runs.
+
+    A run on the verge of sticking jumps when a parameter moves; a jump lies on one side only. So a steep slope
+    counts only where the other side has it too, and with the smaller size (minmod).
+    """
     # away from the prior's far tail, where a step would be lost to the bounds
     step = np.where(u > 4.0, -STEP, STEP)
     points = np.concatenate([u[None], u + np.diag(step)])
     found = forward.representative.predict(forward.priors.from_normal(points))
-    return ((found[1:] - found[0]) / step[:, None]).T
+    slopes = ((found[1:] - found[0]) / step[:, None]).T
+    steep = np.flatnonzero(np.any(np.abs(slopes) > STEEP, axis=0))
+    if len(steep):
+        behind = u - np.diag(step)[steep]
+        other = forward.representative.predict(forward.priors.from_normal(behind))
+        back = ((found[0] - other) / step[steep, None]).T
+        ahead = slopes[:, steep]
+        agreed = np.where(np.abs(back) < np.abs(ahead), back, ahead)
+        slopes[:, steep] = np.where(np.abs(ahead) > STEEP, np.where(back * ahead > 0, agreed, 0.0), ahead)
+    return slopes
 
 
 def _cost(residual: FloatArray, u: FloatArray, factor: tuple) -> FloatArray:

@@ -11,12 +11,13 @@ import numpy as np
 import pandas as pd
 
 from eaclutch.diagnosis import bench_channels
-from eaclutch.diagnosis.cells import Cells, cells_of, native_variances
+from eaclutch.diagnosis.cells import Cells, cells_of, native_variances, repeat_variance
 from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
 from eaclutch.diagnosis.fit import HypothesisFit, fit_hypothesis
 from eaclutch.diagnosis.forward import Forward
+from eaclutch.diagnosis.nameless import nameless_fit
 from eaclutch.diagnosis.result import CandidateResult, summarise
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.physics.model import ClutchModel
@@ -34,6 +35,7 @@ from eaclutch.rig.table import conditions_from_runs
 
 # Local error of the film's position: 1 us in a release time, half the cost of the default.
 SOLVER_TOLERANCE = 1e-3
+WORTH_OPENING = 3.0  # nats over the base model
 
 
 @dataclass(frozen=True)
@@ -91,6 +93,7 @@ class Study:
         self.kernels: Kernels = kernels(self.data, thresholds)
         variances, self.dof = native_variances(self.table, self.data)
         self.cells: Cells = cells_of(self.data, variances)
+        self.repeat_variance = repeat_variance(self.data, variances)
         self.preload = estimated_preload(self.table, self.conditions)
 
     def model(self, effects: Sequence[str] = ()) -> ClutchModel:
@@ -130,4 +133,11 @@ class Study:
     def weigh(self, effects: Sequence[str], seeds: Mapping[str, float] | None = None) -> CandidateResult:
         """Fit and score one hypothesis; ``seeds``: parameters to start from as well, by name."""
         fitted = self.fit(effects, seeds)
-        return summarise(fitted, self.forward(effects), self.data, self.generator(7))
+        return summarise(fitted, self.forward(effects), self.data, self._open(fitted), self.generator(7))
+
+    def _open(self, fitted: HypothesisFit) -> float:
+        """Evidence with a nameless remainder; worked out only where the effects explain something at all."""
+        if fitted.effects and fitted.log_evidence < self.base.log_evidence + WORTH_OPENING:
+            return fitted.log_evidence
+        found = nameless_fit(fitted.linearised, self.data, self.kernels, self.thresholds, fitted.signature)
+        return found.log_evidence
