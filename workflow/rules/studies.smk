@@ -15,13 +15,12 @@ rule sweep:
         results=RESULTS,
         bench=bench(),
         settings=settings("model", "sweep"),
-        seed=seed("sweep"),
         code=code("studies.maps", "reporting.map_page", effects=EFFECTS_ON),
     message:
         "sweep: design maps"
     shell:
         "eaclutch --log {log} sweep --campaign {params.campaign:q} --results {params.results:q}"
-        " --settings {params.settings:q} --seed {params.seed} --table {output.table:q} --page {output.page:q}"
+        " --settings {params.settings:q} --table {output.table:q} --page {output.page:q}"
 
 
 rule fea:

@@ -41,13 +41,10 @@ def fea(campaign: Path, voltage: float, table: Path, insulators: Path, page: Pat
 @click.option("--campaign", type=_FOLDER, required=True, help="The campaign whose bench is varied.")
 @click.option("--results", type=_FOLDER, required=True, help="Its results, for the posteriors.")
 @_settings
-@click.option("--seed", type=int, required=True, help="Seed of the draws.")
 @click.option("--table", type=_FILE, required=True, help="All maps to write (csv).")
 @_page
-def sweep(campaign: Path, results: Path, settings: str, seed: int, table: Path, page: Path) -> None:
+def sweep(campaign: Path, results: Path, settings: str, table: Path, page: Path) -> None:
     """Design maps with the posterior's band, and the probability of meeting limits."""
-    import numpy as np
-
     from eaclutch.config import load_bench
     from eaclutch.inference.draws import load_draws
     from eaclutch.reporting.map_page import map_page
@@ -55,8 +52,8 @@ def sweep(campaign: Path, results: Path, settings: str, seed: int, table: Path, 
 
     config = json.loads(settings)
     bench = load_bench(campaign)
-    rng = np.random.default_rng(seed)
-    draws = load_draws(results / "posterior", config["sweep"]["draws"], rng)
+    stages = sorted((results / "posterior").glob("*.nc"))
+    draws = load_draws(stages, config["sweep"]["draws"])
     maps = draw_maps(bench, config, draws)
     write_csv(table, maps_table(maps, config["sweep"]))
     asked = config["sweep"]

@@ -86,7 +86,8 @@ def build(
     groups = _labels([f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)])
     bins = np.digitize(estimated_preload(table, conditions), PRELOAD_EDGES)
     slipping = slips_at_switch_off(table, quarter_swing)
-    entries, kept, values, repeats = [], [], [], {}
+    entries, values, repeats = [], [], {}
+    kept: list[Any] = []
     for i, channel in enumerate(channels):
         scaled, sd = scaled_column(table, channel)
         scaled = np.where(_reaches(table, channel, ramp_rate), scaled, np.nan)

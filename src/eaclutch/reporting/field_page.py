@@ -24,7 +24,10 @@ def field_page(
     """HTML: the analytic pressure against finite elements, insulators, fields."""
     within = conductor["excess"].abs() <= LIMIT
     beyond = conductor[~within]
-    verdict = f"The analytic pressure lies within 5 % of the field solution in {within.sum()} of {len(conductor)} cases."
+    verdict = (
+        "The analytic pressure lies within 5 % of the field solution in "
+        f"{within.sum()} of {len(conductor)} cases."
+    )
     if len(beyond):
         cases = ", ".join(
             f"{row.gap_um:g} µm at permittivity {row.film_permittivity:g} ({100 * row.excess:+.1f} %)"

@@ -13,11 +13,16 @@ from eaclutch.reporting.study_page import Section, render_study
 class Drawn(Protocol):
     """What a map offers to be drawn."""
 
-    x_name: str
-    y_name: str
-    x: FloatArray
-    y: FloatArray
-    values: Mapping[str, FloatArray]
+    @property
+    def x_name(self) -> str: ...
+    @property
+    def y_name(self) -> str: ...
+    @property
+    def x(self) -> FloatArray: ...
+    @property
+    def y(self) -> FloatArray: ...
+    @property
+    def values(self) -> Mapping[str, FloatArray]: ...
 
     def quantiles(self, observable: str) -> FloatArray:
         """(3, y, x)."""

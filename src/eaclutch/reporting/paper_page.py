@@ -15,11 +15,16 @@ from eaclutch.reporting.study_page import Section, Table, render_study, table_of
 class Compared(Protocol):
     """A printed number and ours."""
 
-    name: str
-    published: float
-    ours: float
-    unit: str
-    note: str
+    @property
+    def name(self) -> str: ...
+    @property
+    def published(self) -> float: ...
+    @property
+    def ours(self) -> float: ...
+    @property
+    def unit(self) -> str: ...
+    @property
+    def note(self) -> str: ...
 
 
 def _claims_table(claims: Sequence[Compared]) -> Table:

@@ -92,8 +92,8 @@ def design_map(
     model_of: Callable[[Bench], ClutchModel],
     draws: Mapping[str, FloatArray],
     design: Design,
-    x: tuple[str, Sequence[float]],
-    y: tuple[str, Sequence[float]],
+    x: tuple[str, Sequence[float] | FloatArray],
+    y: tuple[str, Sequence[float] | FloatArray],
 ) -> DesignMap:
     """Predict the three observables over x and y for every draw.
 
