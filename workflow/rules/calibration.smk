@@ -32,9 +32,33 @@ rule sbc_part:
         " --parts {params.parts} --output {output:q}"
 
 
+rule agreement:
+    input:
+        runs=results("runs.csv"),
+        bursts=results("bursts.csv"),
+        draws=expand(results("posterior/{stage}.nc"), stage=STAGES),
+    output:
+        results("sbc/agreement_{stage}.json"),
+    log:
+        log_of("agreement", "{stage}"),
+    params:
+        campaign=CAMPAIGN,
+        results=RESULTS,
+        bench=bench(),
+        settings=settings("model", "posterior", "priors"),
+        seed=lambda wildcards: seed("agreement", wildcards.stage),
+        code=code("inference.agreement", "inference.posterior", effects=EFFECTS_ON),
+    message:
+        "agreement: {wildcards.stage} by another sampler"
+    shell:
+        "eaclutch --log {log} agreement {wildcards.stage} --campaign {params.campaign:q} --results {params.results:q}"
+        " --settings {params.settings:q} --seed {params.seed} --output {output:q}"
+
+
 rule sbc:
     input:
-        expand(results("sbc/{stage}/part_{part}.json"), stage=STAGES, part=range(SBC_PARTS)),
+        ranks=expand(results("sbc/{stage}/part_{part}.json"), stage=STAGES, part=range(SBC_PARTS)),
+        agreement=expand(results("sbc/agreement_{stage}.json"), stage=STAGES),
     output:
         results("sbc/calibration.json"),
     log:
@@ -45,4 +69,4 @@ rule sbc:
     message:
         "sbc: verdicts by stage"
     shell:
-        "eaclutch --log {log} sbc-summary --seed {params.seed} --output {output:q} {input:q}"
+        "eaclutch --log {log} sbc-summary --seed {params.seed} --output {output:q} {input.ranks:q}"

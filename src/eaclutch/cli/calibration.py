@@ -12,10 +12,13 @@ import numpy as np
 
 from eaclutch.cli.inference import stage_inputs
 from eaclutch.files import read_json, write_json
+from eaclutch.inference.agreement import agreement
 from eaclutch.inference.calibration import replications, verdict
+from eaclutch.inference.posterior import sampler_settings, stage_problem
 from eaclutch.inference.problem import STAGES
 from eaclutch.inference.replicable import replicable
 from eaclutch.inference.sampling import SamplerSettings
+from eaclutch.records import InputError
 
 _FOLDER = click.Path(path_type=Path)
 _FILE = click.Path(dir_okay=False, path_type=Path)
@@ -81,4 +84,20 @@ def sbc_summary(files: tuple[Path, ...], seed: int, output: Path) -> None:
     write_json(output, document)
 
 
-COMMANDS = [sbc, sbc_summary]
+@click.command("agreement")
+@click.argument("stage", type=click.Choice(STAGES))
+@_common
+def agreement_of(stage: str, campaign: Path, results: Path, settings: str, seed: int, output: Path) -> None:
+    """A STAGE's posterior by emcee and by nested sampling: means within 0.1 sd, sds within 10 %."""
+    chosen = json.loads(settings)
+    problem = stage_problem(
+        stage, stage_inputs(stage, campaign, results, chosen), np.random.default_rng([seed, 7])
+    )
+    if not problem.has_data:
+        raise InputError(f"stage {stage}", "rests on its prior", "there is nothing to compare")
+    found = agreement(problem, sampler_settings(chosen["posterior"]), seed)
+    logging.info("agreement %s: %s", stage, "passed" if found["passed"] else "the samplers differ")
+    write_json(output, found)
+
+
+COMMANDS = [sbc, sbc_summary, agreement_of]
