@@ -54,4 +54,27 @@ def simulate(recipe: Path, output: Path, seed: int | None, replace: bool) -> Non
     click.echo(f"{len(done.conditions)} runs in {output}")
 
 
-COMMANDS: list[click.Command] = [simulate]
+@click.command("bench-noise")
+@click.option("--campaign", type=click.Path(path_type=Path), required=True, help="Folder of recordings.")
+@click.option(
+    "--output", type=click.Path(dir_okay=False, path_type=Path), required=True, help="JSON file to write."
+)
+@click.option(
+    "--every", type=click.IntRange(min=1), default=7, show_default=True, help="Spectra of one log in so many."
+)
+def bench_noise(campaign: Path, output: Path, every: int) -> None:
+    """Measure the noise of a bench from its recordings, for the simulated rig."""
+    from datetime import date
+
+    from eaclutch.files import write_json
+    from eaclutch.provenance import commit
+    from eaclutch.rig.campaign import open_campaign
+    from eaclutch.simulation.measured_noise import measure
+
+    opened = open_campaign(campaign)
+    command = f"eaclutch bench-noise --campaign <recordings> --every {every} --output <file>"
+    found = measure(opened.logs, opened.bench, every)
+    write_json(output, {"command": command, "date": date.today().isoformat(), "commit": commit(), **found})
+
+
+COMMANDS: list[click.Command] = [simulate, bench_noise]
