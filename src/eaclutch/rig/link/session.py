@@ -19,7 +19,7 @@ from eaclutch.rig.link.transfer import Transfer, TransferFault, parse_transfer
 from eaclutch.rig.log_names import parse_log_name
 
 # After these the rig may still move, or hold a second command, and would answer later.
-_RIG_MAY_STILL_RUN = ("early_reply", "silence", "vanished", "cut_short", "no_count", "too_long", "lines_lost")
+_RIG_MAY_STILL_RUN = ("early_reply", "silence", "vanished", "no_count", "too_long")
 
 
 class Operator(Protocol):
