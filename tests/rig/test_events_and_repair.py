@@ -41,6 +41,25 @@ def test_the_driver_finishes_its_half_wave_after_the_flag(grounded_first):
     assert "voltage_outlives_flag" in events.flags
 
 
+@pytest.mark.parametrize("frequency", [0.1, 1000.0])
+@pytest.mark.parametrize("hole", ["before", "driven"])
+def test_a_flag_that_lost_lines_gives_way_to_the_voltage(frequency, hole):
+    recording, on, off = made(frequency=frequency)
+    start = int((1.0 if hole == "before" else 3.5) / STEP)
+    events = find_events(replace(recording, flag=without_lines(recording.flag, (start, 300))))
+    assert abs(events.on - on) < 0.6 * STEP + 2 * events.on_sd
+    assert abs(events.off - off) < 0.6 * STEP + 2 * events.off_sd
+    assert {"flag_early", "voltage_outlives_flag"} & set(events.flags)
+
+
+def test_stray_samples_are_no_events():
+    recording, on, off = made()
+    flag, voltage = recording.flag.copy(), recording.voltage.copy()
+    flag[5_000], flag[80_000], flag[40_000], voltage[75_000] = 1.0, 1.0, 0.0, 300.0
+    events = find_events(replace(recording, flag=flag, voltage=voltage))
+    assert abs(events.on - on) < 0.51 * STEP and abs(events.off - off) < 0.51 * STEP
+
+
 def test_what_has_no_voltage_or_no_end_is_said():
     recording, *_ = made()
     for change, reason in (
@@ -122,3 +141,16 @@ def test_wherever_lines_were_lost_the_release_is_right_or_missing(start, count, 
         value, sd = (found[f"release_time_{share * 100:g}_s{end}"] for end in ("", "_sd"))
         if np.isfinite(value):
             assert abs(value - release_time(shape, share)) < 5 * sd
+
+
+def test_a_dead_load_cell_and_another_rate_are_said():
+    recording, *_ = made()
+    dead = extract(replace(recording, force=np.full_like(recording.force, 0.013)), Bench("test"))
+    assert "force_stuck" in dead["flags"] and not dead["usable"] and np.isnan(dead["friction_before_n"])
+    columns = {name: getattr(recording, name)[::2] for name in ("time", "force", "flag", "voltage")}
+    slow = extract(replace(recording, **columns), Bench("test"))
+    assert "other_sample_rate" in slow["flags"]
+    assert slow["friction_before_n"] == pytest.approx(0.12, abs=5 * slow["friction_before_n_sd"])
+    assert slow["release_time_50_s"] == pytest.approx(
+        release_time(Made(), 0.5), abs=5 * slow["release_time_50_s_sd"]
+    )

@@ -12,6 +12,7 @@ import numpy as np
 from eaclutch.records import FloatArray
 
 GAP = 2.5  # sample spacings: time between two samples that is none of sampling
+STUCK = 200  # samples of one and the same force
 FEWEST = 8  # zeros at the end that chance does not make
 
 
@@ -77,6 +78,13 @@ def unbroken_time(time: FloatArray) -> tuple[FloatArray, tuple[str, ...]]:
     elif (np.diff(time) > GAP * step).any():
         flags.append("time_gap")
     return time, tuple(flags)
+
+
+def stuck(force: FloatArray) -> bool:
+    """Whether a force (samples,) repeats one value for longer than a live load cell's noise lets it."""
+    changes = np.flatnonzero(np.diff(force) != 0)
+    edges = np.concatenate([[-1], changes, [len(force) - 1]])
+    return bool(np.diff(edges).max() > STUCK)
 
 
 def without_glitches(force: FloatArray, least: float = 0.1) -> tuple[FloatArray, tuple[str, ...]]:

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from eaclutch.records import FloatArray, Recording
 from eaclutch.rig.columns_in_step import sample_spacing
@@ -12,6 +14,7 @@ from eaclutch.rig.estimate import Unusable
 
 DC_LABEL = 0.1  # Hz, the rig's way to write DC
 LOST = "voltage_lines_lost"  # flag of a voltage column whose edges cannot be trusted
+MAJORITY = 5  # samples whose majority is the flag: a single sample that lost a digit is no edge
 SENSED_HIGH = 50.0  # V, above this the sensed electrode carries the high voltage
 
 
@@ -47,10 +50,13 @@ def find_events(recording: Recording) -> Events:
 
     On is the flag's rise: the sensed electrode may be the grounded one for the first half period. Off is the
     later of the flag's fall and the sensed voltage's; where the sensed electrode is the grounded one at the end,
-    the driver still finishes its half wave, and the fall is taken from the polarity edges.
+    the driver still finishes its half wave, and the fall is taken from the polarity edges. A voltage that comes or
+    stays by more than half a period later than the flag shows a flag that lost lines: then the voltage counts
+    (``flag_early``), to half a period.
     Raises Unusable (``no_flag``, ``flag_never_falls``, ``no_voltage``).
     """
-    time, flag = recording.time, recording.flag > 0.5
+    time = recording.time
+    flag = uniform_filter1d((recording.flag > 0.5).astype(float), MAJORITY, mode="nearest") > 0.5
     driven = np.flatnonzero(flag)
     if len(driven) == 0:
         raise Unusable("no_flag")
@@ -61,28 +67,54 @@ def find_events(recording: Recording) -> Events:
         raise Unusable("no_voltage")
     if last >= len(time) - 2:
         raise Unusable("flag_never_falls")
-    flags = []
-    half_period = 0.5 / recording.settings.frequency
-    dc = recording.settings.frequency <= DC_LABEL
     step = sample_spacing(time)
-    late = time[sensed[0]] - time[first]
-    if late > 3 * step and (dc or late > half_period + 3 * step):
-        flags.append("voltage_late")
-    after = last
-    if sensed[-1] > last:
-        after = int(sensed[-1])
-        if time[after] - time[last] > 3 * step:
-            flags.append("voltage_outlives_flag")
-    elif not dc and LOST not in recording.flags and last - sensed[-1] >= 2 and half_period > 3 * step:
-        fall = time[sensed[-1]] + 0.5 * step
-        rest = fall + half_period
-        if time[last] + 1.5 * step < rest < time[last] + half_period + 1.5 * step and fall > time[first]:
-            after = min(int(np.searchsorted(time, rest)) - 1, len(time) - 2)
+    dc = recording.settings.frequency <= DC_LABEL
+    half_period = 0.0 if dc else 0.5 / recording.settings.frequency
+    flags, unsure = [], [0.0, 0.0]
+    if time[sensed[0]] - time[first] > half_period + 3 * step:
+        first, unsure[0] = int(sensed[0]), half_period
+        flags.append("flag_early")
+    # the wave that is on when the flag falls goes on until its own end
+    after = last + _run_length(high[last + 1 :])
+    goes_on = _waves(high[after + 1 :], round(half_period / step) + 3)
+    if goes_on:
+        after, unsure[1] = after + goes_on, half_period
+        flags.append("flag_early")
+    elif time[after] - time[last] > 3 * step:
+        flags.append("voltage_outlives_flag")
+    before_fall = sensed[sensed <= last]
+    if after == last and LOST not in recording.flags and len(before_fall) and half_period > 3 * step:
+        # grounded when the flag falls: the half wave ends half a period after the last polarity edge
+        end = time[before_fall[-1]] + 0.5 * step + half_period
+        if (
+            before_fall[-1] <= last - 2
+            and time[last] + 1.5 * step < end < time[last] + half_period + 1.5 * step
+        ):
+            after = int(np.searchsorted(time, end)) - 1
             flags.append("voltage_outlives_flag")
     on, on_sd, on_index = _between(time, first - 1)
-    off, off_sd, off_index = _between(time, after)
+    off, off_sd, off_index = _between(time, min(after, len(time) - 2))
+    # one half wave more, of the other electrode, may lie before what is sensed, and one behind it
+    on, off = on - 0.5 * unsure[0], off + 0.5 * unsure[1]
+    on_sd, off_sd = (
+        math.hypot(sd, wide / math.sqrt(12.0)) for sd, wide in zip((on_sd, off_sd), unsure, strict=True)
+    )
     travel_time = recording.settings.travel / recording.settings.speed
-    return Events(on, on_sd, on_index, off, off_sd, off_index, on + travel_time, tuple(flags))
+    return Events(on, on_sd, on_index, off, off_sd, off_index, on + travel_time, tuple(dict.fromkeys(flags)))
+
+
+def _run_length(high: np.ndarray) -> int:
+    """How many samples from the first on are high without a break."""
+    low = np.flatnonzero(~high)
+    return int(low[0]) if len(low) else len(high)
+
+
+def _waves(high: np.ndarray, gap: int) -> int:
+    """How far waves go on that follow each other within ``gap`` samples; 0 for none (a stray sample is none)."""
+    index = np.flatnonzero(high)
+    breaks = np.flatnonzero(np.diff(np.concatenate([[-1], index])) > gap)
+    index = index[: breaks[0]] if len(breaks) else index
+    return int(index[-1]) + 1 if len(index) >= MAJORITY else 0
 
 
 def _between(time: FloatArray, before: int) -> tuple[float, float, int]:

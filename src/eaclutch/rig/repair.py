@@ -15,6 +15,7 @@ from eaclutch.rig.columns_in_step import (
     lost_lines,
     moved_right,
     sample_spacing,
+    stuck,
     unbroken_time,
     without_glitches,
 )
@@ -26,6 +27,7 @@ from eaclutch.rig.force_events import find_drop, find_rise, is_torn
 # hundred (4 ms and more), so that these leave no doubt.
 BEFORE_OFF, AFTER_OFF = 0.001, 0.0025
 AROUND_ON, RISE_SD = 0.003, 0.0012
+SPACING = 78.125e-6  # s between the rig's samples
 
 
 @dataclass(frozen=True)
@@ -53,6 +55,12 @@ def make_whole(recording: Recording) -> Whole:
     mended, found = without_glitches(force[:kept])
     force = np.concatenate([mended, np.full(lost, np.nan)])
     flags += found
+    if stuck(force[:kept]):
+        flags += ("force_stuck",)
+        if np.ptp(force[:kept]) == 0:
+            force = np.full(len(force), np.nan)  # a cell that was not connected has measured nothing
+    if abs(sample_spacing(time) / SPACING - 1.0) > 0.02:
+        flags += ("other_sample_rate",)
     flag = np.where(np.isfinite(recording.flag), recording.flag, 0.0)
     voltage = np.where(np.isfinite(recording.voltage), recording.voltage, 0.0)
     if lost_lines(voltage):

@@ -29,6 +29,10 @@ FEWEST_BETWEEN_EDGES = 20  # samples: faster drives leave nothing to look at bet
 MARGIN = 0.002  # s kept clear of the force's own events where the column is not in step
 
 
+class _Reason(str):
+    """Why a family of observables has no values."""
+
+
 @dataclass(frozen=True)
 class RunView:
     """A repaired recording with what all observables share."""
@@ -42,10 +46,13 @@ class RunView:
             try:
                 self.done[name] = work(self)
             except Unusable as reason:
-                self.done[name] = reason
-        if isinstance(self.done[name], Unusable):
-            raise self.done[name]
-        return self.done[name]
+                self.done[name] = _Reason(
+                    str(reason)
+                )  # an exception would keep its frames, and so the run, alive
+        found = self.done[name]
+        if isinstance(found, _Reason):
+            raise Unusable(found)
+        return found
 
     @property
     def time(self) -> FloatArray:

@@ -1,0 +1,39 @@
+"""How often the extractor's 68 % and 95 % intervals hold the truth of simulated runs.
+
+    python benchmarks/extractor_coverage.py --runs 600
+
+prints a row an observable and records them in docs/measurements/extractor_coverage.json. Truth is the definition on
+the same run without noise (eaclutch.simulation.extractor_coverage).
+"""
+
+from __future__ import annotations
+
+import argparse
+
+import numpy as np
+import pandas as pd
+from measurement import record
+
+from eaclutch.records import Bench, Substrate
+from eaclutch.simulation.extractor_coverage import compare, summary
+from eaclutch.simulation.noise import BenchNoise
+
+BENCH = Bench(
+    "published",
+    substrates={"brass": Substrate(8338.5, 0.000726, 0.1, {2e-3: 2e-3, 3e-3: 3e-3, 6e-3: 3e-3})},
+)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--runs", type=int, default=600)
+    parser.add_argument("--seed", type=int, default=0)
+    chosen = parser.parse_args()
+    found = summary(compare(chosen.runs, BENCH, BenchNoise(), np.random.default_rng(chosen.seed)))
+    print(pd.DataFrame(found).T.to_string(float_format="%.4g"))
+    command = f"python benchmarks/extractor_coverage.py --runs {chosen.runs} --seed {chosen.seed}"
+    record("extractor_coverage", command, {"runs": chosen.runs, "observables": found})
+
+
+if __name__ == "__main__":
+    main()
