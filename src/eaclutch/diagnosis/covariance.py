@@ -39,9 +39,9 @@ class Kernels:
         signature_tolerance: float = 0.0,
         scatter: bool = True,
     ) -> FloatArray:
-        """Covariance (entries, entries). ``scatter``: False leaves out what only the model misses.
-        ``tolerance`` and ``session`` multiply the sds (a number or one an
-        entry); ``signature`` (entries,) is an effect's own shift of the prediction."""
+        """Covariance (entries, entries). ``tolerance`` and ``session`` multiply the sds (a number or one an
+        entry); ``signature`` (entries,) is an effect's own shift of the prediction; ``scatter``: False leaves out
+        what only the model misses."""
         t = np.broadcast_to(np.asarray(tolerance, float), self.noise_variance.shape)
         s = np.broadcast_to(np.asarray(session, float), self.noise_variance.shape)
         out = self.session * np.outer(s, s) + self.tolerance * np.outer(t, t)

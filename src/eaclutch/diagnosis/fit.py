@@ -27,6 +27,7 @@ SCOUTS = 64  # parameter sets of an effect tried before the fit
 SCOUT_WIDTH = 1.3  # in prior sds
 NEARLY_OFF = -1.5  # prior sds: a half-normal amplitude at a sixth of its scale
 SPREAD = 0.7  # prior sds, of the draws that a fit from scratch looks at
+BASE_STARTS = 4  # draws that a fit from scratch starts from, besides the defaults
 STARTS = 1  # of which so many are fitted
 
 
@@ -89,7 +90,7 @@ def _prior_starts(forward: Forward, data: DataVector, kernels: Kernels) -> list[
     factor = cho_factor(kernels.total(), lower=True)
     gap = data.values - forward.representative.predict(forward.priors.from_normal(u))
     cost = 0.5 * np.sum(gap.T * cho_solve(factor, gap.T), axis=0) + 0.5 * np.sum(u**2, axis=1)
-    return [default, *(u[i] for i in np.argsort(cost)[:STARTS])]
+    return [default, *(u[i] for i in np.argsort(cost)[:BASE_STARTS])]
 
 
 def _finish(

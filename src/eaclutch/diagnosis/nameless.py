@@ -31,14 +31,21 @@ class Nameless:
 
 
 def nameless_fit(
-    base: Linearised, data: DataVector, kernels: Kernels, thresholds: Mapping[str, Any]
+    base: Linearised,
+    data: DataVector,
+    kernels: Kernels,
+    thresholds: Mapping[str, Any],
+    signature: FloatArray | None = None,
 ) -> Nameless:
-    """Evidence of the nameless competitor around the base fit's linearisation.
+    """Evidence of the nameless competitor around a fit's linearisation.
+
+    ``signature``: of the effects in that fit, where it is not the base model's: the evidence is then that of the
+    effects with a nameless remainder.
 
     The factors are chosen block by block until nothing changes; the sum over each one's grid, the others
     fixed, stands for the sum over all of them (they hardly interact).
     """
-    settings = thresholds["nameless"]
+    settings, share = thresholds["nameless"], float(thresholds["signature_tolerance"])
     grid = np.array(settings["factors"], dtype=float)
     free = float(settings["free_share"])
     log_prior = np.log(np.where(grid == 1.0, 1.0 - free, free / max(1, np.count_nonzero(grid > 1.0))))
@@ -46,7 +53,7 @@ def nameless_fit(
     prior = base.jacobian @ base.jacobian.T
 
     def score(factors: dict[str, float]) -> float:
-        covariance = _covariance(factors, data, kernels)
+        covariance = _covariance(factors, data, kernels, signature, share)
         chosen = sum(log_prior[int(np.flatnonzero(grid == f)[0])] for f in factors.values())
         return log_normal(base.w, covariance + prior) + float(chosen)
 
@@ -61,10 +68,18 @@ def nameless_fit(
             break
     top = score(factors)
     evidence = top + sum(float(logsumexp(table[name] - np.max(table[name]))) for name in names)
-    covariance = _covariance(factors, data, kernels)
+    covariance = _covariance(factors, data, kernels, signature, share)
     return Nameless(evidence, factors, Linearised(base.w, base.jacobian, covariance))
 
 
-def _covariance(factors: Mapping[str, float], data: DataVector, kernels: Kernels) -> FloatArray:
+def _covariance(
+    factors: Mapping[str, float],
+    data: DataVector,
+    kernels: Kernels,
+    signature: FloatArray | None,
+    share: float,
+) -> FloatArray:
     tolerance = np.array([factors[block] for block in data.block])
-    return kernels.total(tolerance=tolerance, session=factors[SESSION])
+    return kernels.total(
+        tolerance=tolerance, session=factors[SESSION], signature=signature, signature_tolerance=share
+    )

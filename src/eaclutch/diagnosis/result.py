@@ -19,14 +19,15 @@ from eaclutch.diagnosis.gaussian import leave_out
 class CandidateResult:
     """A weighed hypothesis.
 
-    log_evidence (nats); log_density: by left-out condition; errors_left_out, errors: measured less predicted
-    on the comparison scale, one an entry, without and with the entry's condition in the fit; shift: how far
+    log_evidence (nats); log_evidence_open: of the effects with a nameless remainder beside them; log_density: by
+    left-out condition; errors_left_out, errors: measured less predicted on the comparison scale, one an entry, without and with the entry's condition in the fit; shift: how far
     the effect moves each entry; adequate_p: absolute gate with the effect in; parameters: the effect's own;
     calibrated: {name: {mean, sd, unit, prior_sds}}.
     """
 
     effects: tuple[str, ...]
     log_evidence: float
+    log_evidence_open: float
     log_density: tuple[float, ...]
     errors_left_out: tuple[float, ...]
     errors: tuple[float, ...]
@@ -46,7 +47,8 @@ class CandidateResult:
     def read(cls, document: Mapping[str, Any]) -> CandidateResult:
         """Inverse of ``document``."""
         sequences = ("effects", "log_density", "errors_left_out", "errors", "shift", "multipliers")
-        return cls(**{k: tuple(v) if k in sequences else v for k, v in document.items()})
+        fields: dict[str, Any] = {k: tuple(v) if k in sequences else v for k, v in document.items()}
+        return cls(**fields)
 
 
 def condition_groups(data: DataVector) -> tuple[tuple[str, ...], list[np.ndarray]]:
@@ -56,7 +58,11 @@ def condition_groups(data: DataVector) -> tuple[tuple[str, ...], list[np.ndarray
 
 
 def summarise(
-    fitted: HypothesisFit, forward: Forward, data: DataVector, rng: np.random.Generator
+    fitted: HypothesisFit,
+    forward: Forward,
+    data: DataVector,
+    log_evidence_open: float,
+    rng: np.random.Generator,
 ) -> CandidateResult:
     """Score a fit on left-out conditions and by the absolute gate."""
     _, groups = condition_groups(data)
@@ -75,6 +81,7 @@ def summarise(
     return CandidateResult(
         fitted.effects,
         fitted.log_evidence,
+        log_evidence_open,
         tuple(left.log_density.tolist()),
         tuple((left.prediction_error @ fitted.linearised.w).tolist()),
         tuple(fitted.residual.tolist()),

@@ -20,11 +20,14 @@ UNKNOWN: tuple[str, ...] = ("unknown",)
 
 
 def probabilities(
-    results: Sequence[CandidateResult], nameless_evidence: float, thresholds: Mapping[str, Any]
+    results: Sequence[CandidateResult], thresholds: Mapping[str, Any]
 ) -> dict[tuple[str, ...], float]:
     """Probability of each weighed set of effects; adds up to one.
 
-    ``results`` hold the base model (no effects) and every single and pair that was fitted.
+    ``results`` hold the base model (no effects; its open evidence is that of ``unknown``) and every single and
+    pair that was fitted. A named set may leave a nameless remainder, which costs it ``remainder_cost`` nats: its
+    law is not the library's, but it is still the cause. An effect that the library lacks must do better than
+    that by itself.
     """
     prior = thresholds["prior"]
     singles = [r for r in results if len(r.effects) == 1]
@@ -36,7 +39,13 @@ def probabilities(
         2: named * prior["pair_share"] / possible_pairs,
     }
     keys = [r.effects for r in results] + [UNKNOWN]
-    evidence = np.array([r.log_evidence for r in results] + [nameless_evidence])
+    cost = float(thresholds["remainder_cost"])
+    base = next(r for r in results if not r.effects)
+    own = [
+        np.logaddexp(r.log_evidence, r.log_evidence_open - cost) if r.effects else r.log_evidence
+        for r in results
+    ]
+    evidence = np.array([*own, base.log_evidence_open])
     log_prior = np.log([share[len(r.effects)] for r in results] + [prior["unknown"]])
     score = evidence / thresholds["temperature"] + log_prior
     weights = np.exp(score - logsumexp(score))
