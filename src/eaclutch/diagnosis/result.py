@@ -19,10 +19,11 @@ from eaclutch.diagnosis.gaussian import leave_out
 class CandidateResult:
     """A weighed hypothesis.
 
-    log_evidence (nats); log_evidence_open: of the effects with a nameless remainder beside them; log_density: by
-    left-out condition; errors_left_out, errors: measured less predicted on the comparison scale, one an entry, without and with the entry's condition in the fit; shift: how far
-    the effect moves each entry; adequate_p: absolute gate with the effect in; parameters: the effect's own;
-    calibrated: {name: {mean, sd, unit, prior_sds}}.
+    log_evidence (nats); log_evidence_open: of the effects with a nameless remainder beside them. log_density: by
+    left-out condition. errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
+    without and with the entry's condition in the fit. shift: how far the effect moves each entry. adequate_p:
+    absolute gate with the effect in. parameters: the effect's own; calibrated: {name: {mean, sd, unit,
+    prior_sds}}.
     """
 
     effects: tuple[str, ...]
