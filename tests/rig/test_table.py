@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from datetime import datetime
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -17,7 +18,7 @@ from eaclutch.rig.log_names import parse_log_name
 from eaclutch.rig.logs import write_log
 from eaclutch.rig.observables import OBSERVABLES
 from eaclutch.rig.preload import preload_of
-from eaclutch.rig.table import LEADING, conditions_from_runs, preload_bin, session_of
+from eaclutch.rig.table import LEADING, conditions_from_runs, observables_markdown, preload_bin, session_of
 from rig.made_run import Made, make_run, settings_of
 
 BENCH = Bench(
@@ -106,3 +107,8 @@ def test_sessions_and_bins():
     assert parse_log_name(
         "20240101_00_00_00_bts_dx=1.5_v=0.5_Fpre=50g_V=300_f=0.1_w=2_brass"
     ).preload == pytest.approx(0.4903325)
+
+
+def test_documented_observables_are_those_of_the_code():
+    page = (Path(__file__).resolve().parents[2] / "docs" / "observables.md").read_text(encoding="utf-8")
+    assert observables_markdown() in page

@@ -27,6 +27,15 @@ def observable_infos() -> list[ObservableInfo]:
     return [observable.info for observable in OBSERVABLES.values()]
 
 
+def observables_markdown() -> str:
+    """The observables as a table for the documentation."""
+    lines = ["| observable | unit | phase | definition | resolution |", "|---|---|---|---|---|"]
+    for info in observable_infos():
+        resolution = "" if info.resolution is None else f"{info.resolution:g} {info.unit}"
+        lines.append(f"| `{info.name}` | {info.unit} | {info.phase} | {info.definition} | {resolution} |")
+    return "\n".join(lines)
+
+
 def empty_row(run: str) -> dict[str, Any]:
     """A row with what the log's name says and nothing measured."""
     settings = parse_log_name(run)
