@@ -247,35 +247,43 @@ TRIALS: dict[str, Callable[[Bench], dict]] = {
 
 
 def main() -> None:
-    """Run the trials and write what came out."""
+    """Run the trials; what came out is written after each of them."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--output", type=Path, required=True)
     parser.add_argument("trials", nargs="*", help="of " + ", ".join(TRIALS))
     chosen = parser.parse_args()
+    result: dict = {
+        "command": " ".join(["python benchmarks/torture/full_run.py", *sys.argv[1:]]),
+        "date": date.today().isoformat(),
+        "commit": commit(),
+        "trials": {},
+        "different": 0,
+    }
+
+    def note(name: str, found: dict) -> None:
+        result["trials"][name] = found
+        result["different"] += len(found.get("different", ()))
+        write_json(chosen.output, result)
+        print(name, json.dumps(found), flush=True)
+
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(Path(folder), chosen.seed)
         started = time.monotonic()
         status = bench.finish(bench.folder / "reference")
         bench.wall = time.monotonic() - started
         bench.reference = state(bench.folder / "reference")
-        found: dict = {"undisturbed": {"status": status, "wall_s": bench.wall, "files": len(bench.reference)}}
+        stands = verify(bench.folder / "reference" / "results" / "tiny")
+        note(
+            "undisturbed",
+            {"status": status, "wall_s": bench.wall, "files": len(bench.reference), "different": stands},
+        )
         for name, trial in TRIALS.items():
             if not chosen.trials or name in chosen.trials:
-                found[name] = trial(bench)
-                print(name, json.dumps(found[name]), flush=True)
+                note(name, trial(bench))
         if chosen.kills:
-            found["kills"] = kills(bench, chosen.kills)
-            print("kills", json.dumps(found["kills"]), flush=True)
-    result = {
-        "command": " ".join(["python benchmarks/torture/full_run.py", *sys.argv[1:]]),
-        "date": date.today().isoformat(),
-        "commit": commit(),
-        "trials": found,
-        "different": sum(len(trial.get("different", ())) for trial in found.values()),
-    }
-    write_json(chosen.output, result)
+            note("kills", kills(bench, chosen.kills))
     sys.exit(bool(result["different"] or status))
 
 
