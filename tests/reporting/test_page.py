@@ -72,6 +72,10 @@ def test_the_first_screen_says_the_verdict_and_its_caveats(results_folder: Path)
     [
         ({"effects": []}, "No gap beyond repeatability"),
         ({"effects": ["unknown"]}, "nothing in the library of effects explains it"),
+        (
+            {"alternatives": [["gap_tilt", "trapped_charge"]]},
+            "whether gap tilt adds to it, these data cannot tell",
+        ),
         ({"alternatives": [["contact_aging"]]}, "these data cannot tell it from contact aging"),
         ({"effects": ["trapped_charge", "gap_tilt"]}, "explained by trapped charge and gap tilt"),
     ],

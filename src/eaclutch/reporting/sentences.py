@@ -27,20 +27,29 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
         )
     named = effect_words(effects)
     closed = closure_words(diagnosis.get("closure") or {})
-    if others:
-        rivals = ", or ".join(effect_words(names) for names in others)
-        return f"The gap points to {named} (probability {probability}), but these data cannot tell it from {rivals}."
+    further = [sorted(set(names) - set(effects)) for names in others if set(names) > set(effects)]
+    rivals = [names for names in others if not set(names) > set(effects)]
+    if rivals:
+        listed = ", or ".join(effect_words(names) for names in rivals)
+        return f"The gap points to {named} (probability {probability}), but these data cannot tell it from {listed}."
+    if further:
+        listed = " or ".join(effect_words(names) for names in further)
+        closed += f"; whether {listed} adds to it, these data cannot tell"
     return f"The gap is explained by {named} (probability {probability}){closed}."
 
 
 def closure_words(closure: Mapping[str, Any]) -> str:
-    """`` , which closes 89 % (80 to 96) of it on left-out conditions``; empty without numbers."""
+    """`` , which closes 89 % (80 to 96) of it on left-out conditions``; empty without numbers.
+
+    Beyond the noise floor there is nothing left to close: shares above 1 count as all.
+    """
     share, interval = closure.get("shrinkage"), closure.get("interval")
     if share is None:
         return ""
-    text = f", which closes {percent(share)}"
+    text = ", which closes all" if share >= 1 else f", which closes {percent(max(share, 0.0))}"
     if interval and None not in interval:
-        text += f" ({percent(interval[0])} to {percent(interval[1])})"
+        low, high = (percent(min(max(end, 0.0), 1.0)) for end in interval)
+        text += f" ({low} to {high})"
     return text + " of what can be closed, on conditions that the fit did not see"
 
 
