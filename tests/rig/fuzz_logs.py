@@ -34,6 +34,8 @@ from rig.made_run import Made, make_run
 Rng = np.random.Generator
 BENCH = Bench("fuzz")
 SHORT = Made(before=1.4, travel=1e-4, after=0.35, capacity=0.4, hold=0.38)
+TINY = Made(before=0.1, travel=5e-5, after=0.05)  # for the readers: too short for most observables
+TINY_SHARE = 0.7
 LIMIT = 6.0  # standard uncertainties
 
 
@@ -227,11 +229,13 @@ def run(count: int, seed: int) -> dict:
     outcomes: dict[str, Counter] = {}
     kept, slowest = [], 0.0
     with tempfile.TemporaryDirectory() as place:
-        recording = make_run(SHORT, rng)[0]
-        name = recording.settings.run
-        raw = write_log(recording, Path(place) / f"{name}.csv").read_bytes()
-        base = extract(read_log(Path(place) / f"{name}.csv"), BENCH)
+        bases = []
+        for made in (SHORT, TINY):
+            recording = make_run(made, rng)[0]
+            path = write_log(recording, Path(place) / f"{recording.settings.run}.csv")
+            bases.append((recording.settings.run, path.read_bytes(), extract(read_log(path), BENCH)))
         for number in range(count):
+            name, raw, base = bases[int(rng.random() < TINY_SHARE)]
             mutation, content, extension = mutated(raw, rng)
             path = Path(place) / f"{name}{extension}"
             path.write_bytes(content)
@@ -250,6 +254,7 @@ def run(count: int, seed: int) -> dict:
     return {
         "logs": count,
         "seed": seed,
+        "share_of_tiny_logs": TINY_SHARE,
         "outcomes": dict(total),
         "by_mutation": {name: dict(found) for name, found in sorted(outcomes.items())},
         "slowest_s": round(slowest, 3),
