@@ -1,0 +1,112 @@
+"""From tables to diagnosis.json on campaigns that the library simulates itself: the plumbing, not the benchmark."""
+
+import json
+from datetime import date
+
+import jsonschema
+import numpy as np
+import pytest
+
+from eaclutch.diagnosis.conclude import conclude
+from eaclutch.diagnosis.result import CandidateResult
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.physics.effects import BASE
+from eaclutch.records import Bench, InputError, Substrate
+from eaclutch.simulation.noise import BenchNoise
+from eaclutch.simulation.observables import simulate_table
+from eaclutch.simulation.plan import Plan, sweep
+
+BENCH = Bench("unit", substrates={"brass": Substrate(8338.5, 0.000726, 0.1, {2e-3: 2e-3, 5e-3: 2.5e-3})})
+CONDITIONS = [
+    {"voltage_v": v, "frequency_hz": f, "width_mm": w, "preload_n": p}
+    for v, f, w, p in [
+        (300, 1000, 2, 0.12), (250, 1000, 2, 0.12), (300, 10, 2, 0.12), (250, 10, 2, 0.12), (300, 10000, 2, 0.12),
+        (300, 1000, 5, 0.12), (300, 1000, 2, 0.5), (200, 1000, 2, 0.5), (300, 0.1, 2, 0.12), (300, 1000, 2, 1.0),
+    ]
+]  # fmt: skip
+CANDIDATES = ("series_compliance", "trigger_latency", "substrate_inertia")
+
+
+def inputs(effects=(), parameters=None, seed=4, conditions=CONDITIONS, days=2, repeats=3):
+    rng = np.random.default_rng(seed)
+    sessions = [date(2025, 3, 1 + day) for day in range(days)]
+    plan = Plan(sweep(conditions, sessions, repeats, rng))
+    table = simulate_table(plan, BENCH, (*BASE, *effects), parameters or {}, BenchNoise(), rng)
+    return DiagnosisInputs(BENCH, table.runs, table.readings, table.spectra, table.bursts, BASE, CANDIDATES)
+
+
+def diagnose(given):
+    study = Study(given, load_thresholds(), seed=3)
+    results = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
+    read = [CandidateResult.read(json.loads(json.dumps(r.document()))) for r in results]
+    return conclude(study, read)
+
+
+@pytest.fixture(scope="module")
+def compliant():
+    return diagnose(inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}))
+
+
+@pytest.fixture(scope="module")
+def plain():
+    return diagnose(inputs())
+
+
+@pytest.fixture(scope="module")
+def schema(request):
+    path = request.config.rootpath / "workflow" / "schemas" / "diagnosis.schema.json"
+    return json.loads(path.read_text())
+
+
+def test_documents_keep_the_closed_schema(compliant, plain, schema):
+    for document in (compliant, plain):
+        jsonschema.validate(json.loads(json.dumps(document)), schema)
+
+
+def test_probabilities_add_up_and_causes_list_everybody(compliant):
+    assert sum(h["probability"] for h in compliant["hypotheses"]) == pytest.approx(1.0, abs=1e-9)
+    assert {c["effect"] for c in compliant["causes"]} == {*CANDIDATES, "unknown", "none"}
+
+
+def test_a_compliant_train_is_named_and_its_size_found(compliant):
+    assert compliant["verdict"]["effects"] == ["series_compliance"]
+    cause = next(c for c in compliant["causes"] if c["effect"] == "series_compliance")
+    found = cause["parameters"]["compliance"]
+    assert abs(found["mean"] - 2.5e-5) < 4 * found["sd"]
+    assert cause["delta_elpd"] > cause["delta_elpd_se"] > 0
+    assert compliant["closure"]["shrinkage"] > 0.6
+    assert {row["phase"] for row in compliant["where"]} & {"ramp", "release"}
+
+
+def test_no_gap_is_called_no_gap(plain):
+    assert plain["verdict"]["effects"] == []
+    total = plain["gap"]["total"]
+    assert total["before"] < 2.0 * total["noise_floor"]
+
+
+def test_the_same_inputs_give_the_same_bytes():
+    given = inputs(seed=8, conditions=CONDITIONS[:4])
+    first, second = (json.dumps(diagnose(given)) for _ in range(2))
+    assert first == second
+
+
+def test_one_condition_in_one_session_says_what_it_cannot_tell():
+    document = diagnose(inputs(conditions=CONDITIONS[:1], days=1, repeats=4))
+    assert "one condition only" in document["verdict"]["why"]
+    assert "one session only" in document["verdict"]["why"]
+
+
+def test_no_capacitance_and_no_repeats_are_named():
+    given = inputs(repeats=1)
+    bare = DiagnosisInputs(BENCH, given.table, None, (), None, BASE, CANDIDATES)
+    why = diagnose(bare)["verdict"]["why"]
+    assert "no capacitance" in why
+    assert "no repeats" in why
+
+
+def test_a_table_without_usable_runs_is_refused():
+    given = inputs(conditions=CONDITIONS[:1], days=1)
+    table = given.table.assign(usable=False)
+    with pytest.raises(InputError, match="no usable run"):
+        Study(DiagnosisInputs(BENCH, table, None, (), None, BASE), load_thresholds())
