@@ -10,7 +10,7 @@ from eaclutch.physics import laws
 from eaclutch.physics.effects import BASE
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.prediction import OBSERVABLES, PART, Status
-from eaclutch.records import InputError
+from eaclutch.records import Bench, InputError, Pad, Substrate
 
 
 def _at_rest(volt, freq, width, thick):
@@ -211,3 +211,15 @@ def test_same_numbers_on_any_number_of_cores(model, runs):
         ]
     )
     assert np.array_equal(several, one, equal_nan=True) and np.array_equal(several[0], few, equal_nan=True)
+
+
+def test_parallel_plates(runs):
+    """A plate of the comb's active area, at half the voltage, is the comb with its film sign for sign."""
+    substrates = {"brass": Substrate(density=8049.0)}
+    comb = Bench(name="comb", pad=Pad(overlap_length=42e-3), substrates=substrates)
+    plate = Bench(name="plate", pad=Pad(type="parallel_plate", overlap_length=42e-3), substrates=substrates)
+    values = [
+        ClutchModel(bench).predict(runs(voltage=volt)).values["release_time_90_s"][0, 0]
+        for bench, volt in ((comb, 300.0), (plate, 150.0))
+    ]
+    assert values[0] == pytest.approx(values[1], rel=1e-9)
