@@ -153,11 +153,9 @@ def main() -> None:
         sys.exit(77)
     with tempfile.TemporaryDirectory() as folder:
         bench = full_run.Bench(Path(folder), 1)
-        begun = time.monotonic()
-        status = bench.finish(bench.folder / "reference")
-        found: dict = {"at_home": {"status": status, "wall_s": time.monotonic() - begun}}
-        bench.reference = full_run.state(bench.folder / "reference")
-        found["at_home"]["verify"] = verify(bench.folder / "reference" / "results" / "tiny")
+        status = bench.run_reference()
+        stands = verify(bench.folder / "reference" / "results" / "tiny")
+        found: dict = {"at_home": {"status": status, "wall_s": bench.wall, "different": stands}}
         for name, trial in TRIALS.items():
             if not chosen.trials or name in chosen.trials:
                 found[name] = trial(bench)

@@ -63,6 +63,18 @@ class Bench:
         """Run to the end; the exit status."""
         return self.start(work, config).wait(LONGEST)
 
+    def run_reference(self) -> int:
+        """The undisturbed run that all others are compared with; ends the trials where even that fails."""
+        work = self.folder / "reference"
+        started = time.monotonic()
+        status = self.finish(work)
+        self.wall = time.monotonic() - started
+        if status:
+            print((self.folder / "reference.log").read_text(errors="replace")[-6000:], file=sys.stderr)
+            sys.exit("the undisturbed run fails")
+        self.reference = state(work)
+        return status
+
     def killed(self, work: Path, after: float, config: Path | None = None) -> bool:
         """Start, kill the whole group after so many seconds; whether there was something to kill."""
         run = self.start(work, config)
@@ -270,10 +282,7 @@ def main() -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         bench = Bench(Path(folder), chosen.seed)
-        started = time.monotonic()
-        status = bench.finish(bench.folder / "reference")
-        bench.wall = time.monotonic() - started
-        bench.reference = state(bench.folder / "reference")
+        status = bench.run_reference()
         stands = verify(bench.folder / "reference" / "results" / "tiny")
         note(
             "undisturbed",

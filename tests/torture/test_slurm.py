@@ -18,8 +18,7 @@ def test_a_run_on_slurm_whose_job_is_killed_ends_as_one_at_home(tmp_path):
     if not shutil.which("sinfo") or not trial.slurm("sinfo", "-h"):
         pytest.skip("Slurm is not up (benchmarks/slurm/one_node.sh start)")
     bench = trial.full_run.Bench(tmp_path, 1)
-    assert bench.finish(tmp_path / "reference") == 0
-    bench.reference = trial.full_run.state(tmp_path / "reference")
+    assert bench.run_reference() == 0
     found = trial.job_killed(bench)
     assert found["happened_to"][0] is not None
     assert found["statuses"][-1] == 0 and found["different"] == []
