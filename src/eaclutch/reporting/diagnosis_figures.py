@@ -22,6 +22,9 @@ from eaclutch.reporting.words import (
 )
 
 
+CLIPPED_AT = 120.0  # %; a value that is typically near zero would squeeze all others
+
+
 def closure_figure(diagnosis: Mapping[str, Any]) -> Picture | None:
     """The total gap on left-out conditions before and after the verdict, against the noise floor."""
     closure = diagnosis.get("closure") or {}
@@ -94,8 +97,13 @@ def by_observable_figure(results: Results) -> Picture | None:
                 )
                 axes.plot(entry["after"] * share, y, "s", color=GREEN, ms=7, mfc="white", mew=1.6)
             axes.plot(entry["before"] * share, y, "o", color=VERMILION if significant else GREY, ms=5.5)
+        largest = [100 * max(entry["before"], entry.get("after") or 0) / size for _, size, entry in rows]
+        for y, value in enumerate(largest):
+            if value > CLIPPED_AT:
+                axes.text(CLIPPED_AT, y, f"{value:.0f} % → ", ha="right", va="center", fontsize=9)
+        end = CLIPPED_AT if max(largest) > CLIPPED_AT else None
         axes.set_yticks(range(len(rows)), [observable_words(name) for name, *_ in rows])
-        axes.set(xlabel="gap (% of the typical measured value)", xlim=(0, None), ylim=(-0.6, len(rows) - 0.4))
+        axes.set(xlabel="gap (% of the typical measured value)", xlim=(0, end), ylim=(-0.6, len(rows) - 0.4))
         axes.grid(axis="y", visible=False)
         handles = [
             axes.plot([], [], "o", color=VERMILION, label="as it is, p < 0.05")[0],

@@ -114,6 +114,8 @@ def where_sentence(entry: Mapping[str, Any]) -> str:
 def level_words(factor: str, level: str) -> str:
     """``drive frequency ≤ 10 Hz`` from a factor's name and a level such as ``<=10``."""
     name, _, unit = _factor(factor).partition(" (")
+    if factor == "frequency_hz" and level in ("0.1", "<=0.1"):
+        return "DC"
     shown = level.replace("<=", "≤ ").replace(">=", "≥ ")
     return f"{name} {shown} {unit.rstrip(')')}".strip()
 
