@@ -21,7 +21,6 @@ from eaclutch.reporting.words import (
     scale_for,
 )
 
-
 CLIPPED_AT = 120.0  # %; a value that is typically near zero would squeeze all others
 
 
