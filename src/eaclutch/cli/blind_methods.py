@@ -60,11 +60,10 @@ def diagnose_case(
 
 def _without(study: Study, found: Sequence[CandidateResult]) -> dict[str, Any]:
     """Verdicts with each candidate taken out of the library in turn; the other fits stay as they are."""
-    rest = nameless_fit(study.base.linearised, study.data, study.kernels, study.thresholds).log_evidence
     out = {}
     for name in study.candidates:
         kept = [result for result in found if name not in result.effects]
-        weights = probabilities(kept, rest, study.thresholds)
+        weights = probabilities(kept, study.thresholds)
         verdict = decide(weights, kept, study.thresholds, [])
         out[name] = {"effects": list(verdict.effects), "unknown": weights.get(UNKNOWN, 0.0)}
     return out

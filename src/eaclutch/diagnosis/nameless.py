@@ -48,7 +48,7 @@ def nameless_fit(
     settings, share = thresholds["nameless"], float(thresholds["signature_tolerance"])
     grid = np.array(settings["factors"], dtype=float)
     free = float(settings["free_share"])
-    log_prior = np.log(np.where(grid == 1.0, 1.0 - free, free / max(1, np.count_nonzero(grid > 1.0))))
+    log_prior = np.log(np.where(grid == 1.0, 1.0 - free, free / max(1, int((grid > 1.0).sum()))))
     names = [*dict.fromkeys(data.block.tolist()), SESSION]
     prior = base.jacobian @ base.jacobian.T
 
