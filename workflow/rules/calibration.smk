@@ -70,3 +70,26 @@ rule sbc:
         "sbc: verdicts by stage"
     shell:
         "eaclutch --log {log} sbc-summary --seed {params.seed} --output {output:q} {input.ranks:q}"
+
+
+rule published_fits:
+    input:
+        runs=results("runs.csv"),
+        bursts=results("bursts.csv"),
+        draws=expand(results("posterior/{stage}.nc"), stage=STAGES),
+    output:
+        results("posterior/published_fits.csv"),
+    log:
+        log_of("published_fits"),
+    params:
+        campaign=CAMPAIGN,
+        results=RESULTS,
+        bench=bench(),
+        settings=settings("model", "posterior", "priors"),
+        seed=seed("published_fits"),
+        code=code("inference.choices", effects=EFFECTS_ON),
+    message:
+        "published_fits: the paper's point fits by its own choices and by others"
+    shell:
+        "eaclutch --log {log} published-fits --campaign {params.campaign:q} --results {params.results:q}"
+        " --settings {params.settings:q} --seed {params.seed} --output {output:q}"

@@ -11,19 +11,23 @@ import click
 import numpy as np
 
 from eaclutch.cli.inference import stage_inputs
-from eaclutch.files import read_json, write_json
+from eaclutch.files import read_json, write_csv, write_json
+from eaclutch.inference import storage
 from eaclutch.inference.agreement import agreement
 from eaclutch.inference.calibration import replications, verdict
-from eaclutch.inference.posterior import sampler_settings, stage_problem
+from eaclutch.inference.choices import Replicates, contact_rows, dielectric_rows, multiplier_rows, table
+from eaclutch.inference.draws import spread_out
+from eaclutch.inference.posterior import StageInputs, sampler_settings, stage_problem
 from eaclutch.inference.problem import STAGES
 from eaclutch.inference.replicable import replicable
 from eaclutch.inference.sampling import SamplerSettings
+from eaclutch.physics.model import ClutchModel
 from eaclutch.records import InputError
 
 _FOLDER = click.Path(path_type=Path)
 _FILE = click.Path(dir_okay=False, path_type=Path)
 # Enough for a rank among 99 draws; a replication costs seconds this way.
-QUICK = SamplerSettings(ensembles=2, walkers=20, check_every=400, max_steps=800)
+QUICK = SamplerSettings(ensembles=2, walkers=20, check_every=400, max_steps=400, warm_up=200)
 
 
 def _common(command: Any) -> Any:
@@ -100,4 +104,61 @@ def agreement_of(stage: str, campaign: Path, results: Path, settings: str, seed:
     write_json(output, found)
 
 
-COMMANDS = [sbc, sbc_summary, agreement_of]
+@click.command("published-fits")
+@_common
+@click.option(
+    "--replicates", type=int, default=60, show_default=True, help="Replicated data sets a fit is tried on."
+)
+def published_fits(
+    campaign: Path, results: Path, settings: str, seed: int, output: Path, replicates: int
+) -> None:
+    """The paper's point fits by its own choices and by others, beside our posterior (csv)."""
+    chosen, rng, rows = json.loads(settings), np.random.default_rng([seed, 3]), []
+    inputs = {stage: stage_inputs(stage, campaign, results, chosen) for stage in STAGES}
+    made = {
+        stage: _replicates(stage, inputs[stage], results, seed, replicates)
+        for stage in ("contact", "dielectric")
+    }
+    readings, spectra, data = (
+        inputs["contact"].readings,
+        inputs["dielectric"].spectra,
+        inputs["force"].capacity,
+    )
+    if readings is not None:
+        rows += contact_rows(readings, inputs["contact"].bench, made["contact"], rng)
+    if len(spectra):
+        rows += dielectric_rows(spectra, made["dielectric"], rng)
+    if data is not None:
+        arguments = dict(inputs["force"].model or {})
+        model = ClutchModel(inputs["force"].bench, **arguments, force_multiplier_form="constant")
+        path = results / "posterior" / "force.nc"
+        draws = storage.load(path).draws if path.is_file() else {}
+        rows += multiplier_rows(model, data, _point_choices(rows), draws)
+    write_csv(output, table(rows))
+
+
+def _point_choices(rows: list[dict[str, Any]]) -> dict[str, dict[str, float]]:
+    """Point values of contact and dielectric parameters, by choice."""
+    point: dict[str, dict[str, float]] = {}
+    for row in rows:
+        point.setdefault(row["choice"], {})[row["quantity"]] = row["value"]
+    contact = {c: v for c, v in point.items() if "contact_stiffness" in v}
+    dielectric = {c: v for c, v in point.items() if "kappa_static" in v}
+    first = next(iter(dielectric.values()), {})
+    choices = {c: v | first | {"kappa_infinity": 4.0} for c, v in contact.items()}
+    if contact:
+        known = next(iter(contact.values()))
+        choices |= {c: known | v | {"kappa_infinity": 4.0} for c, v in dielectric.items() if "alone" not in c}
+    return choices
+
+
+def _replicates(stage: str, inputs: StageInputs, results: Path, seed: int, count: int) -> Replicates | None:
+    path = results / "posterior" / f"{stage}.nc"
+    problem = stage_problem(stage, inputs, np.random.default_rng([seed, 7]))
+    if not problem.has_data or not path.is_file():
+        return None
+    draws = spread_out(storage.load(path).draws, count, 0)
+    return Replicates(problem, np.stack([draws[name] for name in problem.priors.names], axis=1))
+
+
+COMMANDS = [sbc, sbc_summary, agreement_of, published_fits]
