@@ -67,7 +67,7 @@ def fit_hypothesis(
 
     An effect's own parameters are scouted over their prior first (the calibrated ones follow linearly), so
     that a fit does not depend on where it starts. ``seeds``: parameters known from elsewhere (the fits of each of
-    two effects alone) make a further start.
+    two effects alone; a first fit of the same data) make a further start, and the only one of a fit from scratch.
     """
     share = thresholds["signature_tolerance"]
 
@@ -76,7 +76,12 @@ def fit_hypothesis(
             return kernels.total()
         return kernels.total(signature=own_signature(forward, theta), signature_tolerance=share)
 
-    starts = _prior_starts(forward, data, kernels) if base is None else _scout(forward, base)
+    starts = (
+        _scout(forward, base) if base is not None else [] if seeds else _prior_starts(forward, data, kernels)
+    )
+    if seeds:
+        known = np.array([seeds.get(p.name, p.default) for p in forward.parameters])
+        starts.append(np.clip(forward.priors.to_normal(known), -5.0, 5.0))
     found = [_finish(forward, data, kernels, thresholds, find_mode(forward, data.values, covariance_at, start))
              for start in starts]  # fmt: skip
     return max(found, key=lambda fitted: fitted.log_evidence)

@@ -84,6 +84,7 @@ class Study:
             return build(self.table, self.conditions, entries, channels, thresholds, rate, quarter, explained)
 
         first = data()
+        self._first_fit: dict[str, float] = {}
         if first.run_entries:
             channels = list(first.channels)
             first = data(self._explained(first))
@@ -108,6 +109,7 @@ class Study:
         """Run-level predictions of the base model after a first fit, (channels, runs)."""
         forward = Forward(self.model(), first, (), self.priors)
         fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
+        self._first_fit = fitted.parameters
         return forward.runs({name: np.array([value]) for name, value in fitted.parameters.items()})[0]
 
     def generator(self, *stream: int) -> np.random.Generator:
@@ -117,7 +119,9 @@ class Study:
     @cached_property
     def base(self) -> HypothesisFit:
         """The fit of the campaign's own model."""
-        return fit_hypothesis(self.forward(()), self.data, self.kernels, self.thresholds)
+        return fit_hypothesis(
+            self.forward(()), self.data, self.kernels, self.thresholds, seeds=self._first_fit
+        )
 
     def forward(self, effects: Sequence[str]) -> Forward:
         return Forward(self.model(effects), self.data, effects, self.priors)
