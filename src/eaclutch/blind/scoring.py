@@ -15,7 +15,7 @@ from eaclutch.records import FloatArray
 LEVEL = 0.9
 BOOTSTRAPS = 2000
 BINS = (0.0, 0.3, 0.5, 0.7, 0.8, 0.9, 0.95, 1.0)
-DISTANCES = (0.0, 5.0, 10.0, 20.0, 40.0, np.inf)  # standard deviations, after calibration
+DISTANCES = (0.0, 2.0, 4.0, 8.0, 16.0, np.inf)  # standard deviations, after calibration
 Z90 = 1.6448536269514722
 
 Rows = list[dict[str, Any]]

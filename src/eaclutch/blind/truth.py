@@ -6,7 +6,7 @@ their priors first, as they do in any calibration; what is left is what a diagno
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -53,6 +53,8 @@ MOVABLE = {
     "film_kinetic": (0.008, False),
 }
 MULTIPLIER_SD = (0.3, 0.15)  # of a factor on the pull, and of its slope against V / 300 V
+# No law is exact: each feature may be off by this share, smoothly in each factor, and from session to session.
+TOLERANCE, SESSION_SPREAD = 0.03, 0.02
 
 
 def skeleton(runs: Runs, c: Constants) -> FloatArray:
@@ -91,7 +93,9 @@ def skeleton(runs: Runs, c: Constants) -> FloatArray:
     return np.stack([columns[name] for name in FEATURES], axis=1)
 
 
-def _scaled(case: Case, effects: tuple[str, ...], c: Constants, pull: FloatArray | None = None) -> FloatArray:
+def scaled_features(
+    case: Case, effects: tuple[str, ...], c: Constants, pull: FloatArray | None = None
+) -> FloatArray:
     """Features and the capacitance curve in units of noise, flat, for a case that keeps only ``effects``."""
     runs = clean_state(case.design, c, generator(case.entry.namespace, case.entry.seed, "scatter"))
     if pull is not None:
@@ -105,6 +109,64 @@ def _scaled(case: Case, effects: tuple[str, ...], c: Constants, pull: FloatArray
     return np.concatenate([features.ravel(), curve / BENCH_SD])
 
 
+@dataclass(frozen=True)
+class Frame:
+    """The base model around a case: noise-free features, their noise, and the directions that explain nothing.
+
+    base, scale (entries,); tangent (entries, directions): first a calibration's ``constants``, then what the laws
+    may be off by, each in units of its prior.
+    """
+
+    base: FloatArray
+    scale: FloatArray
+    tangent: FloatArray
+    constants: int
+
+    def shift(self, moved: FloatArray) -> FloatArray:
+        """From the base, in units of noise; entries that either side does not have (NaN) count nowhere."""
+        return np.nan_to_num((moved - self.base) / self.scale)
+
+    def left(self, shift: FloatArray) -> FloatArray:
+        """What a calibration leaves of a shift: the constants have moved within their (unit) priors."""
+        moving = self.tangent[:, : self.constants]
+        return shift - moving @ np.linalg.solve(moving.T @ moving + np.eye(self.constants), moving.T @ shift)
+
+    def distance(self, shift: FloatArray) -> float:
+        """Of a shift from everything that constants, inexact laws and sessions may do [standard deviations]."""
+        inner = np.eye(self.tangent.shape[1]) + self.tangent.T @ self.tangent
+        moved = np.linalg.solve(inner, self.tangent.T @ shift)
+        return float(np.sqrt(max(shift @ (shift - self.tangent @ moved), 0.0)))
+
+
+def frame_of(case: Case) -> Frame:
+    """The frame of a case, whatever effects it has."""
+    plain = replace(case.constants, law="asperities", law_share=0.0, stray_capacitance=0.0)
+    base = scaled_features(case, (), plain)  # NaN where a run does not release
+    count = len(case.runs) * len(FEATURES)
+    table = np.nan_to_num(base[:count].reshape(len(case.runs), len(FEATURES)))
+    sd = np.stack([np.hypot(a, r * np.abs(table[:, j])) for j, (_, a, r) in enumerate(FEATURES.values())], 1)
+    scale = np.concatenate([sd.ravel(), np.ones(len(base) - count)])
+    directions = [np.nan_to_num((moved - base) / scale) for moved in _moved(case, plain)]
+    constants = len(directions)
+    rest = np.zeros(len(base) - count)
+    for j in range(len(FEATURES)):
+        for pattern in _patterns(case):
+            column = np.zeros_like(table)
+            column[:, j] = pattern * table[:, j] / sd[:, j]
+            directions.append(np.concatenate([column.ravel(), rest]))
+    return Frame(base, scale, np.stack(directions, axis=1), constants)
+
+
+def _patterns(case: Case) -> list[FloatArray]:
+    """Smooth shapes over the campaign (runs,), each of the size that a law may be off by."""
+    d = case.design
+    shapes = [np.ones(len(d.voltage))]
+    for factor in (d.voltage, np.log(d.frequency), np.log(d.width), d.preload_target):
+        shapes.append((factor - factor.mean()) / factor.std())
+    found = [TOLERANCE * shape for shape in shapes]
+    return found + [SESSION_SPREAD * (d.session == session) for session in np.unique(d.session)]
+
+
 def truth_of(case: Case) -> dict[str, Any]:
     """Distances raw and after calibration, closure of every effect and pair, and where the gap lies."""
     names = tuple(name for name, _ in case.entry.effects)
@@ -112,20 +174,9 @@ def truth_of(case: Case) -> dict[str, Any]:
         return {"distance": 0.0, "distance_calibrated": 0.0, "closure": {}, "where": []}
     plain = replace(case.constants, law="asperities", law_share=0.0, stray_capacitance=0.0)
     bent = replace(plain, law=case.entry.misfit_law, law_share=case.entry.misfit)
-    base = _scaled(case, (), plain)  # NaN where a run does not release: such features count nowhere
-    count = len(case.runs) * len(FEATURES)
-    table = base[:count].reshape(len(case.runs), len(FEATURES))
-    sd = np.stack(
-        [
-            np.hypot(a, r * np.nan_to_num(np.abs(table[:, j])))
-            for j, (_, a, r) in enumerate(FEATURES.values())
-        ],
-        1,
-    )
-    scale = np.concatenate([sd.ravel(), np.ones(len(base) - count)])
-    tangent = np.stack([np.nan_to_num((moved - base) / scale) for moved in _moved(case, plain)], axis=1)
-    shifts = {kept: np.nan_to_num((_scaled(case, kept, bent) - base) / scale) for kept in _subsets(names)}
-    left = {kept: _absorb(shift, tangent) for kept, shift in shifts.items()}
+    frame = frame_of(case)
+    shifts = {kept: frame.shift(scaled_features(case, kept, bent)) for kept in _subsets(names)}
+    left = {kept: frame.left(shift) for kept, shift in shifts.items()}
     whole = left[names]
     closure = {}
     for kept in _subsets(names):
@@ -134,7 +185,7 @@ def truth_of(case: Case) -> dict[str, Any]:
             closure["+".join(sorted(kept))] = float(1 - np.sum(left[rest] ** 2) / np.sum(whole**2))
     return {
         "distance": float(np.linalg.norm(shifts[names])),
-        "distance_calibrated": float(np.linalg.norm(whole)),
+        "distance_calibrated": frame.distance(shifts[names]),
         "closure": closure,
         "where": places(whole, case),
     }
@@ -145,21 +196,15 @@ def _moved(case: Case, c: Constants) -> list[FloatArray]:
     for name, (step, relative) in MOVABLE.items():
         value = getattr(c, name)
         out.append(
-            _scaled(
+            scaled_features(
                 case, (), replace(c, **{name: value * (1 + 0.1 * step) if relative else value + 0.1 * step})
             )
         )
     v = case.design.voltage / 300
     for sd, shape in zip(MULTIPLIER_SD, (np.ones_like(v), v - v.mean()), strict=True):
-        out.append(_scaled(case, (), c, pull=1 + 0.1 * sd * shape))
-    base = _scaled(case, (), c)
+        out.append(scaled_features(case, (), c, pull=1 + 0.1 * sd * shape))
+    base = scaled_features(case, (), c)
     return [base + (moved - base) / 0.1 for moved in out]
-
-
-def _absorb(shift: FloatArray, tangent: FloatArray) -> FloatArray:
-    """What is left of a shift once the constants have moved within their (unit) priors."""
-    moved = np.linalg.solve(tangent.T @ tangent + np.eye(tangent.shape[1]), tangent.T @ shift)
-    return shift - tangent @ moved
 
 
 def _subsets(names: tuple[str, ...]) -> list[tuple[str, ...]]:
