@@ -9,7 +9,7 @@ import pytest
 
 from workflow.tiny import call_snakemake, error_lines, tiny_campaign
 
-pytestmark = pytest.mark.workflow
+pytestmark = [pytest.mark.workflow, pytest.mark.timeout(1500)]
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from eaclutch.manifest import content_hash, verify
 from workflow.test_schemas import departures
 from workflow.tiny import call_snakemake
 
-pytestmark = pytest.mark.workflow
+pytestmark = [pytest.mark.workflow, pytest.mark.timeout(1500)]
 
 
 def jobs(text: str) -> dict[str, int]:

@@ -14,7 +14,7 @@ import yaml
 
 from workflow.tiny import QUICK, ROOT
 
-pytestmark = pytest.mark.workflow
+pytestmark = [pytest.mark.workflow, pytest.mark.timeout(1500)]
 
 
 def test_the_commands_of_the_first_campaign_work(tmp_path: Path) -> None:

@@ -41,7 +41,7 @@ def call_snakemake(directory: Path, *arguments: str, cores: int = 2) -> subproce
         "--cores",
         str(cores),
     ]
-    return subprocess.run([*command, *arguments], cwd=directory, capture_output=True, text=True, timeout=550)
+    return subprocess.run([*command, *arguments], cwd=directory, capture_output=True, text=True, timeout=1400)
 
 
 def error_lines(done: subprocess.CompletedProcess[str]) -> list[str]:
