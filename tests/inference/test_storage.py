@@ -122,11 +122,11 @@ def test_summary_fits_its_schema_and_the_draws(files, problem):
 def test_gate_says_what_failed(problem):
     jsonschema = pytest.importorskip("jsonschema")
     data, sampled = run_stage(problem, SamplerSettings(walkers=20, check_every=10, max_steps=10), 4)
-    document = plain(gate(problem, SETTINGS, sampled))
+    document = plain(gate(problem, SETTINGS, sampled, data))
     jsonschema.validate(document, load_schema("gate"))
     assert document["converged"] is False and document["failures"]
     assert data.attrs["converged"] == "false"
-    jsonschema.validate(plain(gate(problem, SETTINGS, None)), load_schema("gate"))
+    jsonschema.validate(plain(gate(problem, SETTINGS, None, data)), load_schema("gate"))
 
 
 def test_joint_draws_keep_rows_together_and_fill_from_priors(files):

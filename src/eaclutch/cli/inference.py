@@ -31,6 +31,7 @@ from eaclutch.inference.problem import STAGES
 from eaclutch.inference.stages.contact import ContactSettings
 from eaclutch.inference.stages.force import CapacityData
 from eaclutch.inference.summary import sensitivities, summarise
+from eaclutch.physics.effect import Parameter
 from eaclutch.physics.effects import BASE
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.prediction import OBSERVABLES
@@ -108,11 +109,17 @@ def stage_inputs(stage: str, campaign: Path, results: Path, chosen: Mapping[str,
         contact = ContactSettings(
             force_sd=config["capacitance_force_sd_n"], force_max=config["capacitance_force_max_n"],
             widths=tuple(w * 1e-3 for w in config["capacitance_widths_mm"]),
-            stray_sd=config["stray_capacitance_sd_pf"] * 1e-12,
+            stray_sd=max(config["stray_capacitance_sd_pf"] * 1e-12, _stray_of_effect(known)),
         )  # fmt: skip
         return replace(inputs, readings=readings if len(readings.force) else None, contact=contact)
     form = model.get("force_multiplier_form", "linear")
     return replace(inputs, capacity=capacity_data(_runs(results), opened.bench), multiplier_form=form)
+
+
+def _stray_of_effect(known: Mapping[str, Parameter]) -> float:
+    """Prior scale [F] of the stray capacitance where the model has the effect of that name, else 0."""
+    parameter = known.get("stray_capacitance.capacitance")
+    return 0.0 if parameter is None else parameter.prior.a
 
 
 def _earlier(stage: str) -> tuple[str, ...]:
@@ -138,7 +145,7 @@ def posterior(
     checkpoint = output.with_suffix(".checkpoint.npz")
     data, sampled = run_stage(problem, sampler, seed, checkpoint)
     storage.save(output, data)
-    write_json(gate_file, gate(problem, sampler, sampled))
+    write_json(gate_file, gate(problem, sampler, sampled, data))
     checkpoint.unlink(missing_ok=True)
 
 

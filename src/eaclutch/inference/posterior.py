@@ -100,11 +100,14 @@ def run_stage(
     return data, sampled
 
 
-def gate(problem: Problem, settings: SamplerSettings, sampled: Sampled | None) -> dict[str, Any]:
-    """The gate's document: whether the stage may be relied on, and what was measured against what."""
+def gate(
+    problem: Problem, settings: SamplerSettings, sampled: Sampled | None, data: storage.arviz.InferenceData
+) -> dict[str, Any]:
+    """The gate's document: whether the stage may be relied on, what was measured against what, and warnings."""
+    warned = warnings_of(problem.stage, json.loads(data.attrs.get("sensitivity", "{}")))
     document: dict[str, Any] = {
         "stage": problem.stage, "source": "data" if sampled is not None else "prior", "converged": None,
-        "failures": [], "notes": list(problem.notes),
+        "failures": [], "notes": [*problem.notes, *warned],
         "thresholds": {"r_hat_max": settings.thresholds.r_hat, "ess_min": settings.thresholds.ess,
                        "autocorrelation_times_min": settings.thresholds.lengths},
     }  # fmt: skip

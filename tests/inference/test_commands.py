@@ -1,0 +1,122 @@
+"""The commands: a campaign with nothing but logs rests on its priors, a small one runs to predictions."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from click.testing import CliRunner
+
+from eaclutch.cli.inference import posterior, posterior_summary, predict
+from eaclutch.config import load_config
+from eaclutch.config.document import load_schema
+from eaclutch.physics.model import ClutchModel
+from eaclutch.records import Bench
+from eaclutch.rig.table import conditions_from_runs
+
+jsonschema = pytest.importorskip("jsonschema")
+QUICK = {"walkers": 12, "check_every_steps": 100, "max_steps": 100, "stored_draws": 50, "ensembles": 2}
+
+
+def settings() -> str:
+    config = load_config([], {"posterior": QUICK, "predict": {"draws": 20}})
+    return json.dumps(
+        {key: config[key] for key in ("posterior", "model", "priors", "predict")} | {"diagnosis.folds": 2}
+    )
+
+
+def made_runs() -> pd.DataFrame:
+    """A table of runs as the rig room writes it, from the model at its defaults with scatter."""
+    rng, rows = np.random.default_rng(0), []
+    for i in range(16):
+        voltage = (200.0, 300.0)[i % 2]
+        stamp = f"2025010{1 + (i // 8)}_10_{i:02d}_00"
+        rows.append(
+            {
+                "run": f"{stamp}_bts_dx=1.5_v=0.5_Fpre=-1g_V={voltage:g}_f=1000_w=2_brass", "session": stamp[:8],
+                "condition": f"brass_w2_t2_{voltage:g}V", "substrate": "brass", "voltage_v": voltage,
+                "frequency_hz": 1000.0, "width_mm": 2.0, "thickness_mm": 2.0, "preload_n": 0.1,
+                "friction_before_n": 0.05 + 0.01 * rng.random(), "friction_before_n_sd": 2e-4,
+                "switch_off_force_n": np.nan,
+                "switch_off_force_n_sd": np.nan, "usable": True, "flags": "", "reasons": "", "drive_duration_s": 3.0,
+                "dwell_s": 0.0, "run_order": i,
+            }
+        )  # fmt: skip
+    runs = pd.DataFrame(rows)
+    found = ClutchModel(Bench("made")).predict(
+        conditions_from_runs(runs), {}, ("shear_capacity_n", "release_time_90_s")
+    )
+    for name, values in found.values.items():
+        runs[name] = values[0] * (1 + 0.03 * rng.standard_normal(16))
+        runs[f"{name}_sd"] = 0.005 * values[0]
+    return runs
+
+
+@pytest.fixture
+def campaign(tmp_path):
+    folder, results = tmp_path / "made", tmp_path / "results"
+    (folder / "tensile").mkdir(parents=True)
+    (folder / "campaign.yaml").write_text("name: made\n")
+    results.mkdir()
+    runs = made_runs()
+    for run in runs["run"][:1]:
+        np.save(folder / "tensile" / f"{run}.npy", np.zeros((10, 4)))
+    runs.to_csv(results / "runs.csv", index=False)
+    columns = ["frequency_hz", "frequency_hz_sd", "damping_ratio", "damping_ratio_sd"]
+    pd.DataFrame(columns=columns).to_csv(results / "bursts.csv", index=False)
+    return folder, results
+
+
+def call(command, *arguments):
+    result = CliRunner().invoke(command, [str(a) for a in arguments], catch_exceptions=False)
+    assert result.exit_code == 0, result.output
+
+
+def stage(name, folder, results, seed=1):
+    where = results / "posterior"
+    call(posterior, name, "--campaign", folder, "--results", results, "--settings", settings(), "--seed", seed,
+         "--output", where / f"{name}.nc", "--gate", where / f"{name}.gate.json")  # fmt: skip
+    return json.loads((where / f"{name}.gate.json").read_text())
+
+
+def test_from_nothing_but_logs_to_predictions(campaign):
+    folder, results = campaign
+    for name in ("dielectric", "load_cell", "contact"):
+        gate = stage(name, folder, results)
+        assert gate["source"] == "prior" and gate["converged"] is None and gate["notes"]
+    gate = stage("force", folder, results)
+    assert gate["source"] == "data" and gate["converged"] is False and gate["failures"]
+    assert not list((results / "posterior").glob("*.checkpoint.npz"))
+    files = sorted((results / "posterior").glob("*.nc"))
+    summary, sensitivity = results / "summary.json", results / "sensitivity.json"
+    call(posterior_summary, "--output", summary, "--sensitivity", sensitivity, *files)
+    jsonschema.validate(json.loads(summary.read_text()), load_schema("summary"))
+    jsonschema.validate(json.loads(sensitivity.read_text()), load_schema("sensitivity"))
+    for part in ("first", "again"):
+        call(predict, "--campaign", folder, "--results", results, "--settings", settings(), "--seed", 2,
+             "--output", results / f"{part}.csv", "--coverage", results / f"{part}.json")  # fmt: skip
+    assert (results / "first.csv").read_bytes() == (results / "again.csv").read_bytes()
+    jsonschema.validate(json.loads((results / "first.json").read_text()), load_schema("coverage"))
+    table = pd.read_csv(results / "first.csv")
+    assert list(table.columns) == [
+        "run",
+        "observable",
+        "q05",
+        "median",
+        "q95",
+        "measured",
+        "measured_sd",
+        "status",
+        "held_out",
+    ]
+    assert set(table["held_out"]) == {True, False} and set(table["observable"]) >= {
+        "shear_capacity_n",
+        "release_time_90_s",
+    }
+    shown = table.dropna(subset=["q05", "q95"])
+    assert (shown["q05"] <= shown["median"]).all() and (shown["median"] <= shown["q95"]).all()
+    capacity = shown[(shown["observable"] == "shear_capacity_n") & ~shown["held_out"]]
+    inside = (capacity["measured"] >= capacity["q05"]) & (capacity["measured"] <= capacity["q95"])
+    assert inside.mean() > 0.7
