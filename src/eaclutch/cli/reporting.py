@@ -27,6 +27,18 @@ def report(results: Path, settings: str, output: Path) -> None:
 
 
 @click.command()
+@click.argument("first", type=_FOLDER)
+@click.argument("second", type=_FOLDER)
+@click.option("--output", type=_FILE, required=True, help="Where the page goes.")
+def compare(first: Path, second: Path, output: Path) -> None:
+    """Two results folders on one page: before and after a change of rig, film or model."""
+    from eaclutch.reporting.compare import render_comparison
+    from eaclutch.reporting.results import read_results
+
+    write_text(output, render_comparison(read_results(first), read_results(second)))
+
+
+@click.command()
 @click.option("--results", type=_FOLDER, required=True, help="The campaign's results folder.")
 @click.option("--settings", default="{}", help="The config as JSON.")
 @click.option("--output", type=_FILE, required=True, help="Where the manifest goes.")
@@ -61,4 +73,4 @@ def config_readme(output: Path) -> None:
     write_text(output, text())
 
 
-COMMANDS: list[click.Command] = [report, manifest, verify, config_readme]
+COMMANDS: list[click.Command] = [report, compare, manifest, verify, config_readme]
