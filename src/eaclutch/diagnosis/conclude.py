@@ -36,8 +36,15 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
     after = _after(verdict, results, base)
     simulated = null.strict @ left.prediction_error.T
     floor = float(np.median(study.cells.mean_square(simulated[:, : study.data.run_entries])))
+    sound = study.sound
+    elsewhere = leave_out(sound, groups).prediction_error
     where = localise(
-        study.data, study.cells, study.preload, np.array(base.errors_left_out), simulated, study.generator(13)
+        study.data,
+        study.cells,
+        study.preload,
+        elsewhere @ sound.w,
+        null.strict @ elsewhere.T,
+        study.generator(13),
     )
     units = {channel.name: channel.unit for channel in study.data.channels}
     closure = gap_numbers(study.cells, base, after, floor, study.generator(12))

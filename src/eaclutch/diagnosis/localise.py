@@ -20,6 +20,8 @@ from eaclutch.records import FloatArray
 
 CONFOUNDED = 0.8  # share of a split's variance that another factor explains, from which it is named
 SHOWN = 12  # rows of the table
+MOST = 0.7  # share of an observable's gap that its place must hold
+MORE = 1.4  # how much more concentrated than an even spread a place must be, to be named instead of "all"
 MOSTLY_ALL = 0.85  # a level that holds this share of the cells is no place of its own
 
 
@@ -165,9 +167,9 @@ def _place(
     for i in mine:
         share, part = float(masks[i] @ excess) / max(total, 1e-12), float(masks[i].sum()) / cells
         # concentration against what an even spread would put there; a place must hold most of the gap
-        if p_values[i] <= level and share >= 0.6 and part <= MOSTLY_ALL:
+        if p_values[i] <= level and share >= MOST and part <= MOSTLY_ALL:
             score = share**2 / max(part, 0.05)
-            if score > 1.15 * best_score:
+            if score > (MORE if best == every else 1.05) * best_score:
                 best, best_score = i, score
     if p_values[best] > level:
         best = min(mine, key=lambda i: p_values[i])
@@ -208,12 +210,15 @@ def _share(
     conditions = np.array(data.condition[: len(mask)], dtype=str)
     _, index = np.unique(conditions, return_inverse=True)
     inside = np.bincount(index, weights=mask * excess)
-    total = np.bincount(index, weights=excess)
-    counts = rng.multinomial(len(total), np.full(len(total), 1 / len(total)), size=400)
+    channels = np.array(data.channel[: len(mask)], dtype=str)
+    # an observable below its floor has nothing to close, and takes nothing off the others
+    totals = np.array([np.bincount(index, weights=(channels == c) * excess) for c in np.unique(channels)])
+    counts = rng.multinomial(len(inside), np.full(len(inside), 1 / len(inside)), size=400)
     with np.errstate(divide="ignore", invalid="ignore"):
-        draws = np.clip((counts @ inside) / (counts @ total), 0.0, 1.0)
+        draws = np.clip((counts @ inside) / np.maximum(totals @ counts.T, 0.0).sum(axis=0), 0.0, 1.0)
     draws = draws[np.isfinite(draws)]
-    share = float(np.clip(inside.sum() / total.sum(), 0.0, 1.0)) if total.sum() > 0 else 0.0
+    total = float(np.maximum(totals.sum(axis=1), 0.0).sum())
+    share = float(np.clip(inside.sum() / total, 0.0, 1.0)) if total > 0 else 0.0
     if len(draws) == 0:
         return share, [0.0, 1.0]
     low, high = np.quantile(draws, [0.05, 0.95])

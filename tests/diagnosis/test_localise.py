@@ -1,0 +1,73 @@
+"""The place of a gap that was put there by hand, its share, and what the design confounds it with."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from eaclutch.diagnosis.cells import Cells
+from eaclutch.diagnosis.channels import BY_NAME
+from eaclutch.diagnosis.localise import localise
+
+RUNS = 24
+
+
+@pytest.fixture
+def campaign():
+    """24 conditions of one run each; the first half in session A at low frequency, the rest in B at high."""
+    n = 2 * RUNS
+    names = ("release_time_50_s", "release_time_90_s")
+    late = np.arange(RUNS) >= RUNS // 2
+    conditions = SimpleNamespace(
+        voltage=np.tile([200.0, 300.0], RUNS // 2), frequency=np.where(late, 1000.0, 10.0),
+        width=np.full(RUNS, 2e-3), thickness=np.full(RUNS, 2e-3), dwell=np.zeros(RUNS),
+        run_order=np.arange(RUNS) % 5 * 1.0, __len__=lambda self: RUNS,
+    )  # fmt: skip
+    runs = type("Runs", (), {**vars(conditions), "__len__": lambda self: RUNS})()
+    labels = [f"c{i:02d}" for i in range(RUNS)]
+    data = SimpleNamespace(
+        conditions=runs, run_entries=n, channels=tuple(BY_NAME[name] for name in names),
+        channel=np.repeat(np.array(names, dtype=object), RUNS), condition=np.array(labels * 2, dtype=object),
+        session=np.tile(np.where(late, "B", "A"), 2).astype(object),
+        average=sparse.identity(n, format="csr"),
+    )  # fmt: skip
+    cells = Cells(
+        data.channel, data.condition, np.full(n, 1e-10), np.ones(n), sparse.identity(n, format="csr"),
+        np.ones(n), np.zeros(n, dtype=bool), np.full(n, 5e-4),
+    )  # fmt: skip
+    return data, cells, late
+
+
+def where(campaign, errors, seed=2):
+    data, cells, _ = campaign
+    rng = np.random.default_rng(seed)
+    simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
+    return localise(data, cells, np.full(RUNS, 0.1), errors, simulated, rng)
+
+
+def test_a_slow_release_at_low_frequency_is_found_there_and_its_session_is_named(campaign):
+    rng = np.random.default_rng(1)
+    errors = rng.normal(0.0, 0.02, 2 * RUNS)
+    errors[RUNS:][~campaign[2]] += 0.2
+    rows = where(campaign, errors).rows
+    assert len(rows) == 1
+    row = rows[0]
+    assert (row["observable"], row["phase"], row["direction"]) == ("release_time_90_s", "release", "+")
+    assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
+    assert row["share"] > 0.9
+    assert row["interval"][0] <= row["share"] <= row["interval"][1]
+
+
+def test_a_gap_everywhere_is_called_all(campaign):
+    rng = np.random.default_rng(1)
+    errors = rng.normal(0.0, 0.02, 2 * RUNS)
+    errors[:RUNS] -= 0.2
+    row = where(campaign, errors).rows[0]
+    assert (row["observable"], row["factor"], row["direction"]) == ("release_time_50_s", "all", "-")
+
+
+def test_no_gap_has_no_place(campaign):
+    found = [where(campaign, np.random.default_rng(s).normal(0.0, 0.02, 2 * RUNS), s).rows for s in range(20)]
+    # one family-wise error of 5 % for the whole table: more than five of twenty would be a chance of 3e-4
+    assert sum(bool(rows) for rows in found) <= 5
