@@ -25,6 +25,7 @@ SETTLING = 0.15  # s after the voltage falls, until which the force may still ri
 BEFORE_ON = 0.02  # s, one period of the stage's full steps (50 Hz)
 # Samples after an edge of the voltage in which the drive is seen in the force (the ADC's filter delays it by two).
 PICK_UP_ON, PICK_UP_EDGE = (1.2, 4.8), (1.2, 3.8)
+PICK_UP_MEAN = 6e-6  # N/V, what the polarity edges of a fast drive add to the mean force, about 0
 FEWEST_BETWEEN_EDGES = 20  # samples: faster drives leave nothing to look at between their edges
 MARGIN = 0.002  # s kept clear of the force's own events where the column is not in step
 
@@ -106,6 +107,11 @@ class RunView:
     def slow_drive(self) -> bool:
         """Whether the polarity edges leave samples between them."""
         return 0.5 / self.whole.recording.settings.frequency > FEWEST_BETWEEN_EDGES * self.step
+
+    @property
+    def drive_offset_sd(self) -> float:
+        """By how much the drive's edges may shift the mean force [N]: those of a slow drive are left out one by one."""
+        return 0.0 if self.slow_drive else PICK_UP_MEAN * self.whole.recording.settings.voltage
 
     @cached_property
     def pick_up(self) -> np.ndarray:
@@ -198,7 +204,7 @@ class RunView:
         # a slip within the window makes the median jump between two levels: noise goes onto the smoothed force
         smooth = uniform_filter1d(force, 7, mode="nearest")
         drawn = np.median(smooth + self.noise_moving.windows(len(force), 160), axis=1)
-        return Estimate(float(np.median(force)), float(np.std(drawn)))
+        return Estimate(float(np.median(force)), math.hypot(float(np.std(drawn)), self.drive_offset_sd))
 
     @cached_property
     def final_level(self) -> Estimate:

@@ -34,7 +34,10 @@ def peak(run: RunView) -> Estimate:
     held = 0.5 * (second[int(np.argmax(first))] + first[int(np.argmax(second))])
     largest = uniform_filter1d(force, 2 * half)[2 * half : -2 * half].max()
     noise = run.noise_moving.sd(np.full(2 * half, 0.5 / half))
-    return Estimate(float(0.5 * (held + largest)), math.hypot(noise, (largest - held) / math.sqrt(12.0)))
+    return Estimate(
+        float(0.5 * (held + largest)),
+        math.hypot(noise, (largest - held) / math.sqrt(12.0), run.drive_offset_sd),
+    )
 
 
 def _measure(run: RunView) -> Estimate:

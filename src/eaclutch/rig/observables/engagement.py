@@ -15,7 +15,6 @@ from eaclutch.rig.run_view import RunView
 
 BEFORE, AFTER = 0.020, 0.012  # s around voltage on
 SEARCH = (-0.006, 0.009)  # s after voltage on
-PICK_UP_MEAN = 6e-6  # N/V, what the polarity edges of a fast drive add to the mean force, about 0
 SMOOTHING = 8  # samples
 SLIP = 6.0  # standard deviations that the force falls where it slips
 SHORTEST = 0.003  # s of rise
@@ -41,9 +40,7 @@ def _measure(run: RunView) -> Estimate:
     on = run.events.on
     window = run.window(on - BEFORE, _end_of_rise(run, on))
     time, force = run.time[window] - on, run.force[window]
-    # the edges of a slow drive are left out; those of a fast one leave their mean in the force
-    step_sd = 0.0 if run.slow_drive else PICK_UP_MEAN * run.whole.recording.settings.voltage
-    found = onset(time, force, ~run.pick_up[window], run.noise_moving, SEARCH, step_sd)
+    found = onset(time, force, ~run.pick_up[window], run.noise_moving, SEARCH, run.drive_offset_sd)
     if found.sd > UNRESOLVED:
         raise Unusable("no_rise")
     return Estimate(found.value, math.hypot(found.sd, run.events.on_sd))

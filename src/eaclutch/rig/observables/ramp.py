@@ -11,9 +11,11 @@ from eaclutch.rig.run_view import RunView
 
 
 def slope(run: RunView, start: float, end: float) -> Estimate:
-    """Least-squares slope of the force [N/s] between two instants of the run's time [s]. Raises Unusable."""
+    """Least-squares slope of the force [N/s] between two instants of the run's time [s], the samples that show the
+    drive's edges left out. Raises Unusable."""
     window = run.window(start, end)
-    time = run.time[window] - run.time[window].mean()
+    used = ~run.pick_up[window]
+    time = np.where(used, run.time[window] - run.time[window][used].mean(), 0.0)
     weights = time / np.sum(time**2)
     return Estimate(float(weights @ run.force[window]), run.noise_moving.sd(weights))
 

@@ -18,7 +18,7 @@ LEAST_DROP = 4.0  # standard deviations of one sample
 LEAST_LEVEL = 1.5  # standard deviations of the smoothed force between a level and the end of the way
 DRAWS = 64
 CLEAR = 0.1  # of the way: a level is passed for good when the force is that far below
-BRIDGE = 0.06  # of the time under the pick-up: sd of a passing there, which the line across only guesses
+BRIDGE = 0.04  # of the time under the pick-up: sd of a passing there, which the line across only guesses
 SHARES = (0.1, 0.5, 0.9)
 
 
