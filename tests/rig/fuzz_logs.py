@@ -35,7 +35,7 @@ Rng = np.random.Generator
 BENCH = Bench("fuzz")
 SHORT = Made(before=1.4, travel=1e-4, after=0.35, capacity=0.4, hold=0.38)
 TINY = Made(before=0.1, travel=5e-5, after=0.05)  # for the readers: too short for most observables
-TINY_SHARE = 0.7
+TINY_SHARE = 0.88
 LIMIT = 6.0  # standard uncertainties
 
 

@@ -49,10 +49,10 @@ def test_contract_has_all_its_observables():
 
 @pytest.mark.parametrize("frequency", [0.1, 10.0, 1000.0])
 def test_intervals_cover_the_truth(frequency):
-    """68 % and 95 % intervals, over runs of several shapes; 40 runs and 12 observables a frequency."""
+    """68 % and 95 % intervals, over runs of several shapes; 30 runs and 12 observables a frequency."""
     rng = np.random.default_rng(int(frequency * 10))
     pulls = []
-    for seed in range(40):
+    for seed in range(30):
         made = Made(
             frequency=frequency,
             onset=rng.uniform(0, 1e-3),
