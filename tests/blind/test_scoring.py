@@ -103,6 +103,19 @@ def test_a_share_of_nothing_is_no_number() -> None:
     assert share([], "right") == {"value": None, "interval": None, "count": 0, "of": 0}
 
 
+def test_only_effects_of_the_forecast_count_as_identifiable() -> None:
+    answers = campaign()
+    said = {case: verdict(a["verdict"] if case != "s1" else [], 0.8) for case, a in answers.items()}
+    forecast = {"identifiable": ["gap_tilt", "slow_drive", "never_drawn"], "matrix": {"none": {"none": 0.97}}}
+    document = score(answers, {"library": said}, {}, forecast)
+    found = document["methods"]["library"]["identifiable"]
+    assert found["first"]["count"] == 1 and found["first"]["of"] == 2
+    assert found["effects"] == ["gap_tilt", "slow_drive"]
+    document["methods"]["library"] |= {"frozen": "ab" * 32, "after_opening": True}
+    page = blind_page(document)
+    assert "0.97" in page and "after the answers were opened" in page
+
+
 def test_the_score_keeps_to_its_schema() -> None:
     answers = campaign()
     said = {case: verdict(a["verdict"], 0.8, {(): 0.2}) for case, a in answers.items() if a["kind"] != "pair"}

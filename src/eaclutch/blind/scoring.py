@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -35,20 +35,31 @@ def score(
             for case, document in sorted(found.items())
         ]
         missing = sorted(set(answers) - set(found))
-        methods[method] = scores(rows) | {"missing": missing, "rows": rows}
+        methods[method] = scores(rows, identifiable(forecast)) | {"missing": missing, "rows": rows}
     kinds = [answer["kind"] for answer in answers.values()]
     counts = {kind: kinds.count(kind) for kind in ("none", "single", "unknown", "pair")}
     return {"schema": 1, "cases": len(answers), "kinds": counts, "methods": methods, "forecast": forecast}
 
 
-def scores(rows: Rows) -> dict[str, Any]:
-    """All scores of one method from its rows."""
+def identifiable(forecast: Mapping[str, Any] | None) -> set[str]:
+    """Effects that the frozen forecast calls identifiable; none without a forecast."""
+    return set(map(str, (forecast or {}).get("identifiable") or ()))
+
+
+def scores(rows: Rows, sure: Collection[str] = ()) -> dict[str, Any]:
+    """All scores of one method from its rows; ``sure``: effects that were forecast to be identifiable."""
     kind = {name: [r for r in rows if r["kind"] == name] for name in ("none", "single", "unknown", "pair")}
     effect = kind["single"] + kind["pair"]
+    expected = [r for r in kind["single"] if r["truth"][0] in sure]
     exact = [r for r in effect if r["right"]]
     return {
         "right": share(rows, "right"),
         "right_by_kind": {name: share(part, "right") for name, part in kind.items()},
+        "identifiable": {
+            "first": share(expected, "first"),
+            "probability_of_truth": mean(expected, "probability_of_truth"),
+            "effects": sorted({r["truth"][0] for r in expected}),
+        },
         "first": share(rows, "first"),
         "first_two": share(rows, "first_two"),
         "probability_of_truth": mean(rows, "probability_of_truth"),

@@ -177,7 +177,8 @@ def read_sides(verdicts: Path, cases: list[str]) -> dict[str, dict[str, Any]]:
 
 
 def write_secret(path: Path, content: Mapping[str, Any]) -> None:
-    """Write a file of answers, readable by its owner alone."""
+    """Write a file of answers, readable by its owner alone, in a folder that is so too if it is made here."""
+    path.parent.parent.mkdir(parents=True, exist_ok=True)
+    path.parent.mkdir(mode=0o700, exist_ok=True)
     write_json(path, content)
     path.chmod(0o600)
-    path.parent.chmod(0o700)

@@ -16,8 +16,8 @@ KINDS = {
 }
 # (words, path in a method's scores, target in words)
 GOALS = (
-    ("right verdict, one effect", ("right_by_kind", "single"), "0.90 of the identifiable ones"),
-    ("probability on the truth, one effect", ("probability_of_truth_by_kind", "single"), "0.75"),
+    ("one identifiable effect: its name first", ("identifiable", "first"), "0.90"),
+    ("one identifiable effect: probability on it", ("identifiable", "probability_of_truth"), "0.75"),
     ("a name though there is no effect", ("false_alarms",), "0.02 at most"),
     ("`unknown` said of an effect the library lacks", ("unknown_recognised",), "0.80"),
     ("a wrong name for an effect the library lacks", ("wrong_name_on_unknown",), "0.05 at most"),
@@ -29,6 +29,9 @@ GOALS = (
 )  # fmt: skip
 FURTHER = (
     ("right verdict, all cases", ("right",)),
+    ("right verdict, one effect of any size", ("right_by_kind", "single")),
+    ("right verdict, two effects", ("right_by_kind", "pair")),
+    ("probability on the truth, one effect", ("probability_of_truth_by_kind", "single")),
     ("truth ranked first", ("first",)),
     ("truth among the first two", ("first_two",)),
     ("mean probability on the truth", ("probability_of_truth",)),
@@ -55,7 +58,7 @@ FURTHER = (
 
 def blind_page(score: Mapping[str, Any], title: str = "The sealed benchmark") -> str:
     """One page from the score of one size; the first method is the library, the others stand beside it."""
-    methods = score["methods"]
+    methods = dict(sorted(score["methods"].items(), key=lambda item: (item[0] != "library", item[0])))
     if not methods:
         return render_study(title, "Nothing was diagnosed.", [])
     main = "library" if "library" in methods else next(iter(methods))
@@ -72,7 +75,7 @@ def blind_page(score: Mapping[str, Any], title: str = "The sealed benchmark") ->
             "Which effects are found", pictures=[_effects(own), _distances(own)], tables=[_effect_table(own)]
         ),
         Section("Are the probabilities honest", pictures=[_calibration(own)]),
-        Section("Truth and verdict", tables=[_confusion(own), *_forecast(score)]),
+        Section("Truth and verdict", tables=[_confusion(own, score.get("forecast"))]),
     ]
     return render_study(title, lead, [section for section in sections if section.tables or section.pictures])
 
@@ -121,23 +124,18 @@ def _effect_table(own: Mapping[str, Any]) -> Table:
     return Table(["effect", "right verdict", "in the set", "probability on the truth"], rows)
 
 
-def _confusion(own: Mapping[str, Any]) -> Table:
-    return Table(
-        ["truth", "verdict", "cases"], [(r["truth"], r["said"], r["count"]) for r in own["confusion"]]
-    )
-
-
-def _forecast(score: Mapping[str, Any]) -> list[Table]:
-    """The frozen forecast's rows, where one was given: truth, verdict, forecast probability."""
-    rows = (score.get("forecast") or {}).get("confusion")
-    if not isinstance(rows, list):
-        return []
-    shown = [
-        (str(r.get("truth")), str(r.get("said")), r.get("probability"))
-        for r in rows
-        if isinstance(r, Mapping)
-    ]
-    return [Table(["truth", "verdict", "forecast probability"], shown)]
+def _confusion(own: Mapping[str, Any], forecast: Mapping[str, Any] | None) -> Table:
+    """Counts of truth and verdict, beside the frozen forecast's probability of that verdict."""
+    matrix = (forecast or {}).get("matrix") or {}
+    totals: dict[str, int] = {}
+    for row in own["confusion"]:
+        totals[row["truth"]] = totals.get(row["truth"], 0) + row["count"]
+    rows = []
+    for row in own["confusion"]:
+        expected = (matrix.get(row["truth"]) or {}).get(row["said"])
+        rows.append((row["truth"], row["said"], row["count"], row["count"] / totals[row["truth"]],
+                     "" if expected is None else float(expected)))  # fmt: skip
+    return Table(["truth", "verdict", "cases", "share", "forecast"], rows)
 
 
 def _bars(axes: Any, places: Sequence[int], items: Sequence[Mapping[str, Any]], colour: str) -> None:
