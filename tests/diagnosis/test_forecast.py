@@ -1,0 +1,57 @@
+"""The confusion forecast: rows are distributions, no effect stays no effect, a clear effect is told."""
+
+from datetime import date, datetime
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eaclutch.diagnosis.forecast import SURE, Forecast
+from eaclutch.diagnosis.planned import plan_of, planned_study
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.records import Bench, Campaign, LogFile, RunSettings, Substrate
+
+BENCH = Bench("unit", substrates={"brass": Substrate(8338.5, 0.000726, 0.1, {2e-3: 2e-3})})
+
+
+def campaign():
+    """Four conditions, three repeats, on two days; the logs' names are all that is used."""
+    logs = []
+    for i in range(12):
+        voltage, frequency = [(300.0, 1000.0), (250.0, 1000.0), (300.0, 10.0), (300.0, 10000.0)][i % 4]
+        stamp = datetime.combine(date(2025, 3, 1 + i // 6), datetime.min.time()).replace(hour=12, minute=i)
+        name = f"{stamp:%Y%m%d_%H_%M_%S}_bts_dx=1.5_v=0.5_Fpre=-1g_V={voltage:g}_f={frequency:g}_w=2_brass"
+        settings = RunSettings(name, stamp, 1.5e-3, 0.5e-3, None, voltage, frequency, 2e-3, "brass")
+        logs.append(LogFile(settings, Path(f"{name}.csv")))
+    return Campaign(Path(), BENCH, tuple(logs), (), (), ())
+
+
+@pytest.fixture(scope="module")
+def document():
+    chosen = {"diagnosis": {"candidates": ["series_compliance", "trigger_latency"]}}
+    study = planned_study(campaign(), chosen, load_thresholds(), seed=5)
+    return Forecast(study).document(np.random.default_rng(6))
+
+
+def test_no_log_is_opened_to_plan():
+    plan = plan_of(campaign())
+    assert len(plan.runs) == 12
+    assert {run.voltage for run in plan.runs} == {250.0, 300.0}
+
+
+def test_rows_are_distributions_over_all_verdicts(document):
+    for row in document["matrix"].values():
+        assert set(row) == {"series_compliance", "trigger_latency", "unknown", "none"}
+        assert sum(row.values()) == pytest.approx(1.0)
+
+
+def test_no_effect_is_rarely_named(document):
+    assert document["matrix"]["none"]["none"] >= 0.95
+
+
+def test_limits_are_where_the_right_verdict_becomes_likely(document):
+    limit = document["limits"]["series_compliance"]
+    assert "series_compliance" in document["identifiable"]
+    reached = [float(size) for size, p in limit["probability_by_size"].items() if p >= SURE]
+    assert limit["size"] == pytest.approx(min(reached), rel=1e-2)
+    assert limit["parameters"]["compliance"] > 0
