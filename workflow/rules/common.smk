@@ -7,6 +7,7 @@ import sys
 import time
 from pathlib import Path
 
+import eaclutch
 from eaclutch.config import load_bench, load_config
 from eaclutch.config.slices import bench_slice, job_seed
 from eaclutch.physics.effects import BASE, EFFECTS
@@ -17,6 +18,7 @@ from eaclutch.manifest import refuse_other_campaign
 
 STARTED = time.time()
 CHECKOUT = Path(workflow.basedir)
+PACKAGE = Path(eaclutch.__file__).parent
 
 
 def stop(error):

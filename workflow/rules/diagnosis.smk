@@ -1,6 +1,6 @@
 # What is missing: the gap, then a job a candidate, then one verdict.
 
-THRESHOLDS = str(CHECKOUT / "src" / "eaclutch" / "diagnosis" / "thresholds.yaml")
+THRESHOLDS = str(PACKAGE / "diagnosis" / "thresholds.yaml")
 DIAGNOSED = {
     "runs": results("runs.csv"),
     "bench": [results("gap.csv"), results("spectra.csv"), results("bursts.csv")],
