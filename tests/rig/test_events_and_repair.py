@@ -154,3 +154,12 @@ def test_a_dead_load_cell_and_another_rate_are_said():
     assert slow["release_time_50_s"] == pytest.approx(
         release_time(Made(), 0.5), abs=5 * slow["release_time_50_s_sd"]
     )
+
+
+@pytest.mark.parametrize("time", [np.zeros(2000), np.full(2000, np.nan), np.tile([3.0, 1.0, 2.0, 0.0], 500)])
+def test_a_clock_that_stands_or_jumps_measures_nothing(time):
+    recording, *_ = made()
+    columns = {name: getattr(recording, name)[24_600:26_600] for name in ("force", "flag", "voltage")}
+    columns["force"] = without_lines(columns["force"], (500, 100))
+    found = extract(replace(recording, time=time, **columns), Bench("test"))
+    assert "time_broken" in found["flags"] and not found["usable"]

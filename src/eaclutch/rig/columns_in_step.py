@@ -17,8 +17,10 @@ FEWEST = 8  # zeros at the end that chance does not make
 
 
 def sample_spacing(time: FloatArray, span: int = 64) -> float:
-    """Usual time between two samples [s]: the stamps are whole microseconds, so a median over ``span`` samples."""
-    return float(np.nanmedian(time[span:] - time[:-span])) / span
+    """Usual time between two samples [s]: the stamps are whole microseconds, so a median over ``span`` samples; NaN if unknown."""
+    spans = time[span:] - time[:-span]
+    spans = spans[np.isfinite(spans)]
+    return float(np.median(spans)) / span if len(spans) else float("nan")
 
 
 def lost_lines(values: FloatArray) -> int:
@@ -53,10 +55,12 @@ def unbroken_time(time: FloatArray) -> tuple[FloatArray, tuple[str, ...]]:
     """
     flags = []
     step = sample_spacing(time)
+    if not step > 0:
+        return time, ("time_broken",)
     lost = len(time) - 1 - int(np.flatnonzero(time > 0)[-1]) if (time > 0).any() else 0
     if lost:
         body = time[: len(time) - lost]
-        missing = np.round(np.diff(body) / step).astype(int) - 1
+        missing = np.nan_to_num(np.round(np.diff(body) / step) - 1, posinf=0, neginf=0).astype(int)
         holes = np.flatnonzero(missing >= FEWEST)
         if lost == missing[holes].sum():
             place = np.arange(len(body)) + np.concatenate(

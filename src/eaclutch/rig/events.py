@@ -53,7 +53,7 @@ def find_events(recording: Recording) -> Events:
     the driver still finishes its half wave, and the fall is taken from the polarity edges. A voltage that comes or
     stays by more than half a period later than the flag shows a flag that lost lines: then the voltage counts
     (``flag_early``), to half a period.
-    Raises Unusable (``no_flag``, ``flag_never_falls``, ``no_voltage``).
+    Raises Unusable (``no_flag``, ``flag_never_falls``, ``no_voltage``, ``time_broken``).
     """
     time = recording.time
     flag = uniform_filter1d((recording.flag > 0.5).astype(float), MAJORITY, mode="nearest") > 0.5
@@ -68,6 +68,8 @@ def find_events(recording: Recording) -> Events:
     if last >= len(time) - 2:
         raise Unusable("flag_never_falls")
     step = sample_spacing(time)
+    if not step > 0:
+        raise Unusable("time_broken")
     dc = recording.settings.frequency <= DC_LABEL
     half_period = 0.0 if dc else 0.5 / recording.settings.frequency
     flags, unsure = [], [0.0, 0.0]

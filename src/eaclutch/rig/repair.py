@@ -71,6 +71,8 @@ def make_whole(recording: Recording) -> Whole:
     if lost == 0:
         return Whole(whole)
     whole = replace(whole, flags=(*whole.flags, "force_lines_lost"))
+    if "time_broken" in flags:
+        return Whole(whole, np.nan, np.nan, True)
     try:
         return _in_step(whole, lost)
     except Unusable:

@@ -11,6 +11,7 @@ from eaclutch.records import FloatArray
 
 BAND = (250.0, 1500.0)  # Hz
 CLEAR = 6.0  # amplitude over its standard uncertainty, below which there is no swing
+SHORTEST = 20  # samples
 STRAY = 1.6  # times the noise that may be left
 OVER_AT_ONCE = (
     0.2  # damping ratio beyond which the force is gone within a turn: friction stopped it, no free swing
@@ -36,6 +37,8 @@ def fit_swing(time: FloatArray, force: FloatArray, noise_sd: float) -> Swing | N
     """
     t = time - time[0]
     span = t[-1]
+    if len(t) < SHORTEST or not (span > 0 and noise_sd > 0):
+        return None
 
     def design(w: float, zeta: float) -> FloatArray:
         decay, wd = np.exp(-zeta * w * t), w * np.sqrt(max(1e-9, 1.0 - zeta**2))
@@ -48,8 +51,6 @@ def fit_swing(time: FloatArray, force: FloatArray, noise_sd: float) -> Swing | N
         return (force - basis @ np.linalg.lstsq(basis, force, rcond=None)[0]) / noise_sd
 
     grid = 2 * np.pi * np.arange(BAND[0], BAND[1], 0.35 / span)
-    if len(grid) == 0:
-        return None
     cost = [np.sum(residual(np.array([w, 0.03])) ** 2) for w in grid]
     start = np.array([grid[int(np.argmin(cost))], 0.03])
     low, high = np.array([0.9 * 2 * np.pi * BAND[0], 1e-4]), np.array([1.1 * 2 * np.pi * BAND[1], 0.5])
