@@ -17,7 +17,7 @@ FEWEST = 8  # zeros at the end that chance does not make
 
 
 def sample_spacing(time: FloatArray, span: int = 64) -> float:
-    """Usual time between two samples [s]: the stamps are whole microseconds, so a median over ``span`` samples; NaN if unknown."""
+    """Usual time between two samples [s], NaN if unknown: stamps are whole microseconds, so over ``span`` samples."""
     spans = time[span:] - time[:-span]
     spans = spans[np.isfinite(spans)]
     return float(np.median(spans)) / span if len(spans) else float("nan")
