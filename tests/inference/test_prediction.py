@@ -9,6 +9,8 @@ from eaclutch.inference.cells import Cells
 from eaclutch.inference.coverage import LEVELS, calibration, coverage_document, ranks
 from eaclutch.inference.repeatability import scatter
 
+NOTHING = np.zeros(1000)  # measurement error
+
 
 def grid(conditions=12, sessions=3, repeats=4):
     labels = [(f"s{s}", f"c{c}") for c in range(conditions) for s in range(sessions) for _ in range(repeats)]
@@ -21,7 +23,7 @@ def test_scatter_of_repeats_and_sessions():
     cells, condition = grid(conditions=40)
     shifts = 0.5 * rng.standard_normal(cells.count)
     values = condition + shifts[cells.cell] + 0.2 * rng.standard_normal(len(condition))
-    found = scatter(values, np.zeros(len(values)), cells)
+    found = scatter(values, NOTHING[: len(condition)], np.zeros(len(values)), cells)
     assert not found.relative and found.dof == len(values) - cells.count
     assert found.repeat == pytest.approx(0.2, rel=0.15)
     assert found.session == pytest.approx(0.5, rel=0.35)
@@ -33,7 +35,7 @@ def test_relative_scatter_is_recognised():
     cells, condition = grid(conditions=40, sessions=1)
     level = np.exp(0.1 * condition)
     values = level * (1 + 0.05 * rng.standard_normal(len(level)))
-    found = scatter(values, np.zeros(len(values)), cells)
+    found = scatter(values, NOTHING[: len(condition)], np.zeros(len(values)), cells)
     assert found.relative and found.repeat == pytest.approx(0.05, rel=0.2) and found.session == 0.0
 
 
@@ -42,13 +44,22 @@ def test_preload_is_taken_out_of_the_scatter():
     cells, condition = grid(sessions=1, repeats=8)
     preload = rng.uniform(0, 1, len(condition))
     values = condition + 2.0 * preload + 0.1 * rng.standard_normal(len(condition))
-    assert scatter(values, preload, cells).repeat == pytest.approx(0.1, rel=0.2)
-    assert scatter(values, np.zeros_like(preload), cells).repeat > 0.4
+    assert scatter(values, NOTHING[: len(condition)], preload, cells).repeat == pytest.approx(0.1, rel=0.2)
+    assert scatter(values, NOTHING[: len(condition)], np.zeros_like(preload), cells).repeat > 0.4
+
+
+def test_measurement_error_is_no_scatter_between_repeats():
+    rng = np.random.default_rng(5)
+    cells, condition = grid(conditions=40, sessions=1)
+    values = condition + np.hypot(0.1, 0.2) * rng.standard_normal(len(condition))
+    found = scatter(values, np.full(len(values), 0.2), np.zeros(len(values)), cells)
+    assert found.repeat == pytest.approx(0.1, rel=0.4)
+    assert scatter(values, np.full(len(values), 0.5), np.zeros(len(values)), cells).repeat == 0.0
 
 
 def test_single_runs_have_no_scatter_of_their_own():
     cells, _ = grid(repeats=1, sessions=1)
-    found = scatter(np.arange(12.0), np.zeros(12), cells)
+    found = scatter(np.arange(12.0), NOTHING[:12], np.zeros(12), cells)
     assert found.dof == 0 and found.repeat == 0.0
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from eaclutch.records import FloatArray, RunConditions
 
 # Inputs of the prediction rather than predictions: the model is told them run by run.
 GIVEN = ("friction_before_n",)
+# Predicted without the measured force at switch-off: where a run stands in its stick-slip cycle is drawn evenly, and
+# that is how its repeats differ, so no further scatter between repeats is added.
+FREE = ("switch_off_force_n", "start_ratio")
 
 
 @dataclass(frozen=True)
@@ -36,7 +39,9 @@ class Measured:
 
     def scatters(self) -> dict[str, Scatter]:
         cells = Cells.of(self.conditions.session, self.conditions.condition)
-        return {name: scatter(values, self.preload, cells) for name, values in self.values.items()}
+        return {
+            name: scatter(values, self.sds[name], self.preload, cells) for name, values in self.values.items()
+        }
 
 
 @dataclass(frozen=True)
@@ -51,7 +56,10 @@ class Predicted:
 def predict_runs(
     model: ClutchModel, conditions: RunConditions, joint: Mapping[str, FloatArray], observables: Sequence[str]
 ) -> Prediction:
-    """The model at joint draws {name: (draws,)}; multipliers by form become the model's own parameters."""
+    """The model at joint draws {name: (draws,)}; multipliers by form become the model's own parameters.
+
+    Runs start their release at the measured force, but for ``FREE`` observables, which the model predicts alone.
+    """
     draws = len(next(iter(joint.values())))
     parameters: dict[str, FloatArray] = {
         n: v for n, v in joint.items() if n in model.parameters and n not in PER_RUN
@@ -66,7 +74,15 @@ def predict_runs(
     ):  # where in its cycle a run stands is spread evenly over draws and runs
         step = (np.arange(draws)[:, None] + 0.5) / draws + np.arange(len(conditions))[None, :] * 0.61803398875
         parameters["slip_phase"] = step % 1.0
-    return model.predict(conditions, parameters, observables, on_invalid="status")
+    told = [name for name in observables if name not in FREE]
+    found = model.predict(conditions, parameters, told, on_invalid="status")
+    free = [name for name in observables if name in FREE]
+    if not free:
+        return found
+    alone = replace(conditions, switch_off_force=np.full(len(conditions), np.nan))
+    own = model.predict(alone, parameters, free, on_invalid="status")
+    # where the model alone has no number the run has none either; statuses are those of the told runs
+    return replace(found, values={**found.values, **own.values})
 
 
 def replicate(
@@ -76,7 +92,9 @@ def replicate(
     replicated, status = {}, {}
     for name, value in prediction.values.items():
         codes = prediction.status_of(name)
-        noise = np.hypot(scatters[name].sd(np.nan_to_num(value)), _typical(measured.sds[name]))
+        noise: FloatArray = np.broadcast_to(_typical(measured.sds[name]), value.shape)
+        if name not in FREE:
+            noise = np.hypot(scatters[name].sd(np.nan_to_num(value)), noise)
         replicated[name] = value + noise * rng.standard_normal(value.shape)
         counts = np.stack([(codes == s).sum(axis=0) for s in Status])
         status[name] = np.array([Status(i).name for i in np.argmax(counts, axis=0)])

@@ -28,8 +28,10 @@ class Scatter:
         return np.hypot(self.repeat, self.session) * (np.abs(value) if self.relative else np.ones_like(value))
 
 
-def scatter(values: FloatArray, preload: FloatArray, cells: Cells) -> Scatter:
-    """Scatter of one observable, (runs,) with NaN where it is unusable; after one slope on the preload within cells.
+def scatter(values: FloatArray, sds: FloatArray, preload: FloatArray, cells: Cells) -> Scatter:
+    """Scatter of one observable beyond its measurement error ``sds``; values (runs,) are NaN where unusable.
+
+    One slope on the preload within cells is taken out first.
 
     Absolute or relative, whichever the deviations follow better (Gaussian likelihood of equal degrees of freedom).
     """
@@ -37,6 +39,7 @@ def scatter(values: FloatArray, preload: FloatArray, cells: Cells) -> Scatter:
     if use.sum() < 4:
         return Scatter(0.0, 0.0, False, 0)
     values, preload, cell = values[use], preload[use], cells.cell[use]
+    own = np.nan_to_num(sds[use])
     condition = cells.cell_condition[cell]
     deviation, spread = _centred(values, cell), _centred(np.nan_to_num(preload), cell)
     dof = len(values) - len(np.unique(cell))
@@ -52,9 +55,11 @@ def scatter(values: FloatArray, preload: FloatArray, cells: Cells) -> Scatter:
     fits_absolute = -len(values) * np.log(max(absolute, 1e-300))
     fits_relative = -len(values) * np.log(max(share, 1e-300)) - np.sum(np.log(np.maximum(size, 1e-300)))
     relative = bool(np.all(values > 0) and fits_relative > fits_absolute)
-    repeat = share if relative else absolute
+    total = share if relative else absolute
+    measured = own / np.maximum(size, 1e-300) if relative else own
+    beyond = float(np.sqrt(max(total**2 - float(np.mean(measured**2)), 0.0)))
     logs = np.log(values) if relative else values
-    return Scatter(repeat, _between(logs, cell, condition, repeat), relative, dof)
+    return Scatter(beyond, _between(logs, cell, condition, total), relative, dof)
 
 
 def _between(values: FloatArray, cell: np.ndarray, condition: np.ndarray, repeat: float) -> float:
