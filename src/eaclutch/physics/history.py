@@ -14,6 +14,8 @@ from eaclutch.physics.prediction import Status
 from eaclutch.physics.tables import tables
 from eaclutch.records import FloatArray, InputError
 
+MOST_SLIPS = 5000
+
 
 def run_history(
     row: np.void, time: FloatArray, capacity_factors: FloatArray | None = None, tolerance: float = 1e-5
@@ -91,3 +93,7 @@ def _stick_slip(
             force[time > end + fall] = bottom
             return force, bottom
         begin, level, slip = end + fall, min(bottom, top - 1e-3 * top), slip + 1
+        if slip >= MOST_SLIPS:  # far finer than any record: the middle of the sawtooth
+            held = 0.5 * (bottom + top)
+            force[time > begin] = held
+            return force, held

@@ -21,7 +21,9 @@ def observable(name: str, result: Mapping[str, FloatArray], table: NDArray[np.vo
     if name == "switch_off_force_n":
         return result["own_switch_off"].copy()  # also where the release starts from a measured one
     if name == "start_ratio":
-        return (result["switch_off"] - result["final"]) / (result["capacity"] - result["final"])
+        span = result["capacity"] - result["final"]
+        ratio = (result["switch_off"] - result["final"]) / np.where(span == 0.0, np.nan, span)
+        return np.where(span == 0.0, 0.0, ratio)  # nothing is held above the rest level
     if name == "slip_fraction":
         return result["slip_fraction"].copy()
     if name == "hold_creep_n_s":

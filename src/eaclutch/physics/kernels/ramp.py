@@ -49,7 +49,8 @@ def ramp_slope(start, top, bottom, rate, t0, t1):
     drops to ``bottom`` and climbs again."""
     middle, sum_ft = 0.5 * (t0 + t1), 0.0
     begin, level = 0.0, start
-    fall = max(top - bottom, 1e-3 * top, 1e-4)  # a slip of 0.1 mN at least: the sawtooth must move on
+    # slips of 0.1 mN at least, so that the sawtooth moves on, and a thousand of them in the window are enough
+    fall = max(top - bottom, 1e-3 * top, 1e-4, 1e-3 * rate * t1)
     while begin < t1:
         end = begin + max(top - level, 0.0) / rate
         a, b = max(begin, t0), min(end, t1)

@@ -186,7 +186,7 @@ def final_force(segments, n, rest_time, rest_force, start):
         begin, length, stiffness = segment[0], segment[1], segment[6]
         low, high = max(WINDOW - begin, 0.0), min(END - begin, length)
         if high > low:  # Simpson over parts of the oscillator's period
-            parts = int((high - low) * math.sqrt(abs(segment[5])) / 0.4) + 1
+            parts = min(int((high - low) * math.sqrt(abs(segment[5])) / 0.4), 50) + 1
             step = (high - low) / parts
             for j in range(parts):
                 s = low + j * step

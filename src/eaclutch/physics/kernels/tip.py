@@ -31,15 +31,17 @@ def oscillate(segment, s):
         return x, q1 + s * (2.0 * q2 + s * (3.0 * q3 + s * (4.0 * q4 + s * (5.0 * q5 + s * high))))
     if omega2 > 0.0:
         omega = math.sqrt(omega2)
-        c, d = math.cos(omega * s), math.sin(omega * s) / omega
-    elif omega2 < 0.0:
+        decay = math.exp(-beta * s)
+        c, d = decay * math.cos(omega * s), decay * math.sin(omega * s) / omega
+    elif omega2 < 0.0:  # overdamped: two exponentials, the slow one's rate without cancellation
         omega = math.sqrt(-omega2)
-        c, d = math.cosh(omega * s), math.sinh(omega * s) / omega
+        slow, quick = math.exp(-(omega2 + beta * beta) / (beta + omega) * s), math.exp(-(beta + omega) * s)
+        c, d = 0.5 * (slow + quick), 0.5 * (slow - quick) / omega
     else:
-        c, d = 1.0, s
-    decay = math.exp(-beta * s)
-    x = decay * (a * c + b * d)
-    v = decay * (b * c - omega2 * a * d) - beta * x
+        decay = math.exp(-beta * s)
+        c, d = decay, decay * s
+    x = a * c + b * d
+    v = b * c - omega2 * a * d - beta * x
     x += segment[7] + s * (q1 + s * (q2 + s * (q3 + s * (q4 + s * q5))))
     v += q1 + s * (2.0 * q2 + s * (3.0 * q3 + s * (4.0 * q4 + 5.0 * s * q5)))
     return x, v
