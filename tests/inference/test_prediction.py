@@ -51,9 +51,9 @@ def test_preload_is_taken_out_of_the_scatter():
 def test_measurement_error_is_no_scatter_between_repeats():
     rng = np.random.default_rng(5)
     cells, condition = grid(conditions=40, sessions=1)
-    values = condition + np.hypot(0.1, 0.2) * rng.standard_normal(len(condition))
-    found = scatter(values, np.full(len(values), 0.2), np.zeros(len(values)), cells)
-    assert found.repeat == pytest.approx(0.1, rel=0.4)
+    values = condition + np.hypot(0.2, 0.1) * rng.standard_normal(len(condition))
+    found = scatter(values, np.full(len(values), 0.1), np.zeros(len(values)), cells)
+    assert found.repeat == pytest.approx(0.2, rel=0.2)
     assert scatter(values, np.full(len(values), 0.5), np.zeros(len(values)), cells).repeat == 0.0
 
 
