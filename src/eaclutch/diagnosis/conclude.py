@@ -26,7 +26,7 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
     linearised = study.base.linearised
     _, groups = condition_groups(study.data)
     left = leave_out(linearised, groups)
-    strict = study.kernels.total(tolerance=0.0, session=study.base.multipliers[1], scatter=False)
+    strict = study.kernels.total(tolerance=0.0, session=study.session_spread, scatter=False)
     strict += np.diag(study.repeat_variance - study.kernels.noise_variance)
     null = simulate_null(linearised, strict, study.generator(11), CAMPAIGNS)
     gate_p, _ = adequacy(linearised, left, np.where(study.data.condition != "", study.data.block, ""), null)

@@ -17,9 +17,9 @@ from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
 from eaclutch.diagnosis.fit import HypothesisFit, fit_hypothesis
 from eaclutch.diagnosis.forward import Forward
-from eaclutch.diagnosis.gaussian import Linearised
+from eaclutch.diagnosis.gaussian import Linearised, log_normal
 from eaclutch.diagnosis.mode import find_mode
-from eaclutch.diagnosis.nameless import nameless_fit
+from eaclutch.diagnosis.nameless import Nameless, nameless_fit
 from eaclutch.diagnosis.result import CandidateResult, summarise
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.physics.model import ClutchModel
@@ -38,6 +38,7 @@ from eaclutch.rig.table import conditions_from_runs
 # Local error of the film's position: 1 us in a release time, half the cost of the default.
 SOLVER_TOLERANCE = 1e-3
 WORTH_OPENING = 3.0  # nats over the base model
+SESSION_SPREADS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 
 @dataclass(frozen=True)
@@ -126,6 +127,23 @@ class Study:
         )
 
     @cached_property
+    def nameless(self) -> Nameless:
+        """The nameless competitor beside the base model."""
+        return nameless_fit(self.base.linearised, self.data, self.kernels, self.thresholds)
+
+    @cached_property
+    def session_spread(self) -> float:
+        """This campaign's own spread between sessions, as a multiple of the assumed one: the most probable where
+        the base model holds."""
+        tolerance = np.array([self.nameless.factors[block] for block in self.data.block])
+        prior = self.sound.jacobian @ self.sound.jacobian.T
+        scores = [
+            log_normal(self.sound.w, self.kernels.total(tolerance=tolerance, session=s) + prior)
+            for s in SESSION_SPREADS
+        ]
+        return SESSION_SPREADS[int(np.argmax(scores))]
+
+    @cached_property
     def sound(self) -> Linearised:
         """The base model fitted where it holds: blocks that the nameless competitor finds off count less.
 
@@ -133,10 +151,9 @@ class Study:
         where the gap is.
         """
         base = self.base
-        nameless = nameless_fit(base.linearised, self.data, self.kernels, self.thresholds)
-        if all(factor == 1.0 for factor in nameless.factors.values()):
+        if all(factor == 1.0 for factor in self.nameless.factors.values()):
             return base.linearised
-        forward, covariance = self.forward(()), nameless.linearised.covariance
+        forward, covariance = self.forward(()), self.nameless.linearised.covariance
         mode = find_mode(forward, self.data.values, lambda theta: covariance, base.mode.u)
         w = self.data.values - mode.predicted + mode.jacobian @ mode.u
         return Linearised(w, mode.jacobian, covariance)
