@@ -101,6 +101,7 @@ def test_verdicts_cannot_be_mended_once_the_answers_were_open(tmp_path: Path) ->
     assert "latecomer" not in sealing.record_opening(record, [late])
 
 
+@pytest.mark.usefixtures("few_constants")
 def test_what_is_public_of_a_sealed_batch_holds_no_answer(tmp_path: Path) -> None:
     plan = sealing.draw_plan("blind_small", 4, None)
     plan["entries"] = [e for e in plan["entries"] if e["kind"] == "single" and not e["raw"]][:1]

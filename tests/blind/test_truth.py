@@ -15,8 +15,11 @@ def case(*effects: tuple[str, float]):  # type: ignore[no-untyped-def]
     return build_case(Entry("truth", "test", 8, "pair" if len(effects) == 2 else "single", effects))
 
 
+pytestmark = pytest.mark.usefixtures("few_constants")
+
+
 @pytest.fixture(scope="module")
-def frame() -> Frame:
+def frame(few_constants: None) -> Frame:
     return frame_of(case())
 
 

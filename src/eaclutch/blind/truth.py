@@ -14,10 +14,17 @@ import numpy as np
 from eaclutch.blind.bench_readings import capacitance_curve
 from eaclutch.blind.candidates import NAMED
 from eaclutch.blind.case import Case, clean_state
-from eaclutch.blind.clutch import at_rest
+from eaclutch.blind.clutch import Rest, at_rest
 from eaclutch.blind.contact import contact_force
 from eaclutch.blind.film import release_motion
-from eaclutch.blind.loadtrain import SWING_STEP, strengthened, swing, train_stiffness, weakened
+from eaclutch.blind.loadtrain import (
+    SWING_STEP,
+    friction_forces,
+    strengthened,
+    swing,
+    train_stiffness,
+    weakened,
+)
 from eaclutch.blind.plan import generator
 from eaclutch.blind.strangers import UNNAMED
 from eaclutch.blind.world import Constants, Runs
@@ -52,25 +59,50 @@ MOVABLE = {
     "film_static": (0.010, False),
     "film_kinetic": (0.008, False),
 }
+BEHIND_THE_FILM = {
+    "stiffness",
+    "mass",
+    "damping",
+    "base_static",
+    "base_kinetic",
+    "film_static",
+    "film_kinetic",
+}
 MULTIPLIER_SD = (0.3, 0.15)  # of a factor on the pull, and of its slope against V / 300 V
 # No law is exact: each feature may be off by this share, smoothly in each factor, and from session to session.
 TOLERANCE, SESSION_SPREAD = 0.03, 0.02
 
 
-def skeleton(runs: Runs, c: Constants) -> FloatArray:
+@dataclass(frozen=True)
+class FilmPath:
+    """What the film does, whatever rubs and swings behind it: at rest, and its contact force while released."""
+
+    rest: Rest
+    contact: FloatArray
+
+
+def film_path(runs: Runs, c: Constants) -> FilmPath:
+    """The film's part of ``skeleton``, the slow one."""
+    rest = at_rest(runs, c)
+    return FilmPath(
+        rest, np.stack([contact_force(gap, runs, c) for gap in release_motion(rest.gap_on, runs, c)])
+    )
+
+
+def skeleton(runs: Runs, c: Constants, film: FilmPath | None = None) -> FloatArray:
     """Noise-free features (runs, features) without the chance of stick-slip: released from 85 % of capacity."""
-    state = at_rest(runs, c)
-    hold = state.friction.static_driven * strengthened(np.full(len(runs), 0.02), runs)
+    film = film_path(runs, c) if film is None else film
+    off, on = (contact_force(gap, runs, c) for gap in (film.rest.gap_off, film.rest.gap_on))
+    friction = friction_forces(on, off, runs, c)
+    hold = friction.static_driven * strengthened(np.full(len(runs), 0.02), runs)
     stiffness, mass = train_stiffness(runs, c), c.mass + runs.knob("moving_mass")
-    speed = np.maximum(hold - state.friction.kinetic_driven, 0) / np.sqrt(stiffness * mass)
-    slide = state.friction.kinetic_driven * weakened(speed, runs)
+    speed = np.maximum(hold - friction.kinetic_driven, 0) / np.sqrt(stiffness * mass)
+    slide = friction.kinetic_driven * weakened(speed, runs)
     zeta = (c.damping + runs.knob("side_damping")) / (2 * np.sqrt(stiffness * mass))
     low = slide - np.exp(-np.pi * zeta / np.sqrt(1 - zeta**2)) * (hold - slide)
     gain, drift = runs.knob("reading_gain", 1.0), runs.knob("zero_drift")
     start = 0.85 * hold
-    gaps = release_motion(state.gap_on, runs, c)
-    contact = np.stack([contact_force(gap, runs, c) for gap in gaps])
-    force = swing(contact, start, runs, c, STEPS)
+    force = swing(film.contact, start, runs, c, STEPS)
     lag = runs.knob("readout_time")
     clock = SWING_STEP * np.arange(STEPS)
     final = force[-400:].mean(axis=0)
@@ -80,9 +112,9 @@ def skeleton(runs: Runs, c: Constants) -> FloatArray:
         first = np.argmax(below, axis=0)
         times.append(np.where(below.any(axis=0), clock[first] + lag, np.nan))
     columns = {
-        "engagement_time_s": state.onset,
+        "engagement_time_s": film.rest.onset,
         "ramp_rate_n_s": stiffness * c.stage_speed * runs.knob("speed_factor", 1.0) * gain,
-        "shear_capacity_n": (hold - state.friction.kinetic_before) * gain,
+        "shear_capacity_n": (hold - friction.kinetic_before) * gain,
         "slip_fraction": np.clip((hold - np.maximum(low, 0)) / hold, 0, 1),
         "hold_creep_n_s": drift,
         "release_time_10_s": times[0],
@@ -94,9 +126,16 @@ def skeleton(runs: Runs, c: Constants) -> FloatArray:
 
 
 def scaled_features(
-    case: Case, effects: tuple[str, ...], c: Constants, pull: FloatArray | None = None
+    case: Case,
+    effects: tuple[str, ...],
+    c: Constants,
+    pull: FloatArray | None = None,
+    film: FilmPath | None = None,
 ) -> FloatArray:
-    """Features and the capacitance curve in units of noise, flat, for a case that keeps only ``effects``."""
+    """Features and the capacitance curve in units of noise, flat, for a case that keeps only ``effects``.
+
+    ``film``: the film's part, where it is known already.
+    """
     runs = clean_state(case.design, c, generator(case.entry.namespace, case.entry.seed, "scatter"))
     if pull is not None:
         runs = runs.turn(force_factor=runs.knob("force_factor", 1.0) * pull)
@@ -104,7 +143,7 @@ def scaled_features(
         if name in effects:
             stream = generator(case.entry.namespace, case.entry.seed, f"effect {name}")
             runs, c = (NAMED | UNNAMED)[name](runs, c, size, stream)
-    features = skeleton(runs, c)  # a run without release has no release times: NaN
+    features = skeleton(runs, c, film)  # a run without release has no release times: NaN
     curve = np.log(np.concatenate([capacitance_curve(c, BENCH_LEVELS, w) for w in (2e-3, 2.5e-3, 3e-3)]))
     return np.concatenate([features.ravel(), curve / BENCH_SD])
 
@@ -146,7 +185,7 @@ def frame_of(case: Case) -> Frame:
     table = np.nan_to_num(base[:count].reshape(len(case.runs), len(FEATURES)))
     sd = np.stack([np.hypot(a, r * np.abs(table[:, j])) for j, (_, a, r) in enumerate(FEATURES.values())], 1)
     scale = np.concatenate([sd.ravel(), np.ones(len(base) - count)])
-    directions = [np.nan_to_num((moved - base) / scale) for moved in _moved(case, plain)]
+    directions = [np.nan_to_num((moved - base) / scale) for moved in _moved(case, plain, base)]
     constants = len(directions)
     rest = np.zeros(len(base) - count)
     for j in range(len(FEATURES)):
@@ -191,19 +230,18 @@ def truth_of(case: Case) -> dict[str, Any]:
     }
 
 
-def _moved(case: Case, c: Constants) -> list[FloatArray]:
+def _moved(case: Case, c: Constants, base: FloatArray) -> list[FloatArray]:
+    """Features with each constant moved by its prior sd (a tenth of it, scaled up), then the two multipliers."""
+    scatter = generator(case.entry.namespace, case.entry.seed, "scatter")
+    film = film_path(clean_state(case.design, c, scatter), c)
     out = []
-    for name, (step, relative) in MOVABLE.items():
-        value = getattr(c, name)
-        out.append(
-            scaled_features(
-                case, (), replace(c, **{name: value * (1 + 0.1 * step) if relative else value + 0.1 * step})
-            )
-        )
+    for name, (sd, relative) in MOVABLE.items():
+        step = 0.1 * sd * (getattr(c, name) if relative else 1.0)
+        moved = replace(c, **{name: getattr(c, name) + step})
+        out.append(scaled_features(case, (), moved, film=film if name in BEHIND_THE_FILM else None))
     v = case.design.voltage / 300
     for sd, shape in zip(MULTIPLIER_SD, (np.ones_like(v), v - v.mean()), strict=True):
         out.append(scaled_features(case, (), c, pull=1 + 0.1 * sd * shape))
-    base = scaled_features(case, (), c)
     return [base + (moved - base) / 0.1 for moved in out]
 
 
