@@ -16,6 +16,15 @@ def batches_of(pattern):
     ]
 
 
+def diagnosed_by(wildcards):
+    """What must be there before a method's verdicts are frozen; a rival's come from elsewhere."""
+    if wildcards.method in COMPARATORS:
+        return f"{BLIND}/{wildcards.size}/diagnosed/{wildcards.method}/all.json"
+    if wildcards.method in METHODS:
+        return batches_of(f"{BLIND}/{{size}}/diagnosed/{wildcards.method}/{{batch}}.json")(wildcards)
+    return []
+
+
 def open_seed(wildcards):
     """The option that makes a set open and reproducible, where it is meant to be."""
     chosen = CONFIG["seed"] if wildcards.size == "blind_small" else CONFIG["blind"]["seed"]
@@ -85,33 +94,29 @@ rule blind_diagnose:
 
 rule blind_compare:
     input:
-        commitments=f"{BLIND}/{{size}}/commitments/{{batch}}.json",
-        fits=f"{BLIND}/{{size}}/diagnosed/library/{{batch}}.json",
+        commitments=batches_of(f"{BLIND}/{{size}}/commitments/{{batch}}.json"),
+        fits=batches_of(f"{BLIND}/{{size}}/diagnosed/library/{{batch}}.json"),
     output:
-        f"{BLIND}/{{size}}/diagnosed/{{method}}/{{batch}}.json",
+        f"{BLIND}/{{size}}/diagnosed/{{method}}/all.json",
     wildcard_constraints:
         method="|".join(COMPARATORS),
     log:
-        f"{BLIND}/logs/compare/{{size}}_{{method}}_{{batch}}.log",
+        f"{BLIND}/logs/compare/{{size}}_{{method}}.log",
     params:
         verdicts=f"{BLIND}/{{size}}/verdicts/{{method}}",
         fits=f"{BLIND}/{{size}}/fits",
         code=code("blind.comparators"),
     message:
-        "blind: {wildcards.method} on batch {wildcards.batch} of {wildcards.size}"
+        "blind: {wildcards.method} on {wildcards.size}"
     shell:
-        "eaclutch --log {log} blind compare --commitments {input.commitments:q} --fits {params.fits:q}"
-        " --method {wildcards.method} --verdicts {params.verdicts:q} --output {output:q}"
+        "eaclutch --log {log} blind compare --fits {params.fits:q} --method {wildcards.method}"
+        " --verdicts {params.verdicts:q} --output {output:q} {input.commitments:q}"
 
 
 rule blind_freeze:
     input:
         commitments=batches_of(f"{BLIND}/{{size}}/commitments/{{batch}}.json"),
-        diagnosed=lambda wildcards: (
-            batches_of(f"{BLIND}/{{size}}/diagnosed/{{method}}/{{batch}}.json")(wildcards)
-            if wildcards.method in METHODS
-            else []
-        ),
+        diagnosed=diagnosed_by,
     output:
         f"{BLIND}/{{size}}/frozen/{{method}}.json",
     log:

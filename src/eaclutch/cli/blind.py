@@ -136,14 +136,16 @@ def diagnose(
 
 
 @blind.command("compare")
-@click.option("--commitments", type=_FILE, required=True, help="Names the batch's cases.")
 @click.option("--fits", type=_FOLDER, required=True, help="Folder of the cases' fits.")
 @click.option("--method", required=True, help="aic, bic, largest_residual, loo or nameless_gp.")
 @click.option("--verdicts", type=_FOLDER, required=True, help="Folder for <case>.json.")
+@click.argument("commitments", nargs=-1, required=True, type=_FILE)
 @_output
-def compare_with(commitments: Path, fits: Path, method: str, verdicts: Path, output: Path) -> None:
-    """What a simpler method says, from the same fits."""
-    cases = sorted(read_json(commitments)["cases"])
+def compare_with(
+    fits: Path, method: str, verdicts: Path, commitments: tuple[Path, ...], output: Path
+) -> None:
+    """What a simpler method says on all cases, from the same fits."""
+    cases = sorted(case for path in commitments for case in read_json(path)["cases"])
     for case in cases:
         write_json(
             verdicts / f"{case}.json", compare(method, Fits.read(read_json(fits / f"{case}.json")), case)
