@@ -84,6 +84,16 @@ def test_other_verdicts(results_folder: Path, verdict: dict, words: str) -> None
     assert words in heading(page(results_folder, **verdict))
 
 
+def test_an_effect_that_leaves_a_gap_explains_it_partly(results_folder: Path) -> None:
+    path = results_folder / "diagnosis" / "diagnosis.json"
+    document = read_json(path)
+    document["causes"][0]["adequate_after"] = False
+    write_json(path, document)
+    html = page(results_folder)
+    assert "The gap is partly explained by trapped charge" in heading(html)
+    assert "still fails the absolute check" in html[: html.index("</header>")]
+
+
 def test_the_page_stands_alone_and_its_links_lead_somewhere(results_folder: Path) -> None:
     html = page(results_folder)
     found = Structure()

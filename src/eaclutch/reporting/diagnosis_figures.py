@@ -99,7 +99,10 @@ def by_observable_figure(results: Results) -> Picture | None:
         largest = [100 * max(entry["before"], entry.get("after") or 0) / size for _, size, entry in rows]
         for y, value in enumerate(largest):
             if value > CLIPPED_AT:
-                axes.text(CLIPPED_AT, y, f"{value:.0f} % → ", ha="right", va="center", fontsize=9)
+                axes.text(
+                    CLIPPED_AT, y, f"{value:.0f} % → ", ha="right", va="center", fontsize=9,
+                    bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
+                )  # fmt: skip
         end = CLIPPED_AT if max(largest) > CLIPPED_AT else None
         axes.set_yticks(range(len(rows)), [observable_words(name) for name, *_ in rows])
         axes.set(xlabel="gap (% of the typical measured value)", xlim=(0, end), ylim=(-0.6, len(rows) - 0.4))

@@ -8,6 +8,7 @@ from typing import Any
 from eaclutch.reporting.results import Results
 from eaclutch.reporting.words import FACTORS, effect_words, number, observable_words, percent
 
+MOST_OF_IT = 0.8  # of the closable gap; what closes less explains a part
 LEAST_SHIFT = 0.5  # posterior standard deviations; smaller moves say nothing
 
 
@@ -35,7 +36,18 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
     if further:
         listed = " or ".join(effect_words(names) for names in further)
         closed += f"; whether {listed} adds to it, these data cannot tell"
-    return f"The gap is explained by {named} (probability {probability}){closed}."
+    partly = "partly " if _left(diagnosis) else ""
+    return f"The gap is {partly}explained by {named} (probability {probability}){closed}."
+
+
+def _left(diagnosis: Mapping[str, Any]) -> bool:
+    """Whether the verdict's effects leave a gap: one of them alone fails the absolute check, or all close little."""
+    causes = {cause["effect"]: cause for cause in diagnosis.get("causes", [])}
+    effects = diagnosis["verdict"]["effects"]
+    if len(effects) == 1 and causes.get(effects[0], {}).get("adequate_after") is False:
+        return True
+    share = (diagnosis.get("closure") or {}).get("shrinkage")
+    return share is not None and share < MOST_OF_IT
 
 
 def closure_words(closure: Mapping[str, Any]) -> str:
