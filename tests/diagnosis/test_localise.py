@@ -7,7 +7,7 @@ import pytest
 from scipy import sparse
 
 from eaclutch.diagnosis.cells import Cells
-from eaclutch.diagnosis.channels import BY_NAME
+from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.localise import localise
 
 RUNS = 24
@@ -27,7 +27,7 @@ def campaign():
     runs = type("Runs", (), {**vars(conditions), "__len__": lambda self: RUNS})()
     labels = [f"c{i:02d}" for i in range(RUNS)]
     data = SimpleNamespace(
-        conditions=runs, run_entries=n, channels=tuple(BY_NAME[name] for name in names),
+        conditions=runs, run_entries=n, channels=tuple(c for c in CHANNELS if c.name in names),
         channel=np.repeat(np.array(names, dtype=object), RUNS), condition=np.array(labels * 2, dtype=object),
         session=np.tile(np.where(late, "B", "A"), 2).astype(object),
         average=sparse.identity(n, format="csr"),

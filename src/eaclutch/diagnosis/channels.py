@@ -77,4 +77,3 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("ringdown_damping_ratio", "1", "ringdown", "ringdown", "linear", 0.1, resolvable=False),
     Channel("baseline_shift_n", "N", "after", "after", "linear", 0.1),
 )
-BY_NAME = {channel.name: channel for channel in CHANNELS}

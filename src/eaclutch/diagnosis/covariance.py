@@ -28,7 +28,6 @@ class Kernels:
     session: FloatArray  # scaled by the blocks' session sds
     tolerance: FloatArray  # scaled by the blocks' tolerances
     smooth: FloatArray  # correlation of an effect's own law being off, within and across channels
-    tolerance_sd: FloatArray  # (entries,)
 
     def total(
         self,
@@ -76,7 +75,6 @@ def kernels(data: DataVector, thresholds: Mapping[str, Any]) -> Kernels:
         np.outer(session_sd, session_sd) * between * same_offset,
         tolerance,
         across * shape,
-        tolerance_sd,
     )
 
 
