@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import re
 import warnings
 import zipfile
@@ -34,13 +35,16 @@ def read_sheets(path: Path) -> tuple[Sheet, ...]:
     value, or a cell that is no number where one must be.
     """
     try:
-        with zipfile.ZipFile(path) as archive:
+        if path.stat().st_size > LARGEST:
+            raise InputError(path, "is larger than a bench's workbook", "split the workbook")
+        content = path.read_bytes()  # openpyxl leaves a damaged file open
+        with zipfile.ZipFile(io.BytesIO(content)) as archive:
             if sum(item.file_size for item in archive.infolist()) > LARGEST:
                 raise InputError(path, "is larger than a bench's workbook", "split the workbook")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # styles and extensions that openpyxl does not know
-            values = load_workbook(path, data_only=True, read_only=True)
-            formulas = load_workbook(path, data_only=False, read_only=True)
+            values = load_workbook(io.BytesIO(content), data_only=True, read_only=True)
+            formulas = load_workbook(io.BytesIO(content), data_only=False, read_only=True)
             try:
                 sheets = tuple(
                     Sheet(name, width, _rows(path, name, values[name], formulas[name]))
