@@ -4,19 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
 
 from eaclutch.reporting import sentences
 from eaclutch.reporting.drawing import BLUE, INK, VERMILION, Picture, canvas, picture
 from eaclutch.reporting.results import STAGES, Results
-from eaclutch.reporting.words import Scale, measured, number, observable_words, percent, scale_for
-
-_TEMPLATES = Path(__file__).parent / "templates"
+from eaclutch.reporting.templating import environment, style
+from eaclutch.reporting.words import Scale, measured, percent, scale_for
 
 
 @dataclass(frozen=True)
@@ -33,14 +29,6 @@ class Change:
 
 def render_comparison(first: Results, second: Results) -> str:
     """The page as HTML."""
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {"number": number, "percent": percent, "observable": observable_words}
     sides = [
         {
             "name": side.name,
@@ -52,12 +40,16 @@ def render_comparison(first: Results, second: Results) -> str:
         }
         for side in (first, second)
     ]
-    return environment.get_template("compare.html.j2").render(
-        style=Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8")),
-        sides=sides,
-        changes=changes(first.summary, second.summary),
-        figure=effects_figure(first, second),
-        observables=observables(first.diagnosis, second.diagnosis),
+    return (
+        environment()
+        .get_template("compare.html.j2")
+        .render(
+            style=style(),
+            sides=sides,
+            changes=changes(first.summary, second.summary),
+            figure=effects_figure(first, second),
+            observables=observables(first.diagnosis, second.diagnosis),
+        )
     )
 
 

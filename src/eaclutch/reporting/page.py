@@ -9,8 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
-from markupsafe import Markup
 
 from eaclutch.provenance import commit, versions
 from eaclutch.reporting import sentences
@@ -25,18 +23,14 @@ from eaclutch.reporting.drawing import Picture
 from eaclutch.reporting.posterior_figures import corner_figure, trace_figure
 from eaclutch.reporting.prediction_figures import coverage_figure, prediction_figures
 from eaclutch.reporting.results import STAGES, Results
+from eaclutch.reporting.templating import environment, style
 from eaclutch.reporting.thumbnails import HEIGHT, WIDTH, Thumbnail, thumbnails
 from eaclutch.reporting.words import (
     Scale,
-    effect_words,
     measured,
     number,
-    observable_words,
-    percent,
     scale_for,
 )
-
-_TEMPLATES = Path(__file__).parent / "templates"
 
 
 @dataclass(frozen=True)
@@ -56,48 +50,41 @@ class ParameterRow:
 
 def render(results: Results, config: Mapping[str, Any]) -> str:
     """The page as HTML; all text from the campaign is escaped."""
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    environment.filters |= {
-        "number": number,
-        "percent": percent,
-        "observable": observable_words,
-        "effects": effect_words,
-    }
     diagnosis, shown = results.diagnosis, thumbnails(results)
-    return environment.get_template("report.html.j2").render(
-        style=Markup((_TEMPLATES / "report.css").read_text(encoding="utf-8")),
-        results=results,
-        diagnosis=diagnosis,
-        sentence=sentences.verdict_sentence(diagnosis),
-        caveats=sentences.caveats(results),
-        where=sentences.where_sentences(diagnosis),
-        absorbed=sentences.absorption_sentences(diagnosis),
-        level=_level(diagnosis),
-        gap_pictures=_some(
-            closure_figure(diagnosis), hypotheses_figure(diagnosis), by_observable_figure(results)
-        ),
-        where_pictures=where_figures(results),
-        predictions=_some(*prediction_figures(results), coverage_figure(results)),
-        parameters=_parameters(results.summary),
-        corners=_some(*(corner_figure(stage, draws) for stage, draws in results.draws.items())),
-        traces=_some(*(trace_figure(stage, draws) for stage, draws in results.draws.items())),
-        stage_notes={stage: draws.notes for stage, draws in results.draws.items() if draws.notes},
-        benches=bench_figures(results),
-        thumbnails=shown,
-        thumbnail_size=(WIDTH, HEIGHT),
-        unused=_unused(shown),
-        config=json.dumps(
-            {**config, "campaign": Path(config.get("campaign", results.name)).name}, indent=1, sort_keys=True
-        ),
-        versions=versions(),
-        commit=commit(),
-        seed=config.get("seed"),
+    return (
+        environment()
+        .get_template("report.html.j2")
+        .render(
+            style=style(),
+            results=results,
+            diagnosis=diagnosis,
+            sentence=sentences.verdict_sentence(diagnosis),
+            caveats=sentences.caveats(results),
+            where=sentences.where_sentences(diagnosis),
+            absorbed=sentences.absorption_sentences(diagnosis),
+            level=_level(diagnosis),
+            gap_pictures=_some(
+                closure_figure(diagnosis), hypotheses_figure(diagnosis), by_observable_figure(results)
+            ),
+            where_pictures=where_figures(results),
+            predictions=_some(*prediction_figures(results), coverage_figure(results)),
+            parameters=_parameters(results.summary),
+            corners=_some(*(corner_figure(stage, draws) for stage, draws in results.draws.items())),
+            traces=_some(*(trace_figure(stage, draws) for stage, draws in results.draws.items())),
+            stage_notes={stage: draws.notes for stage, draws in results.draws.items() if draws.notes},
+            benches=bench_figures(results),
+            thumbnails=shown,
+            thumbnail_size=(WIDTH, HEIGHT),
+            unused=_unused(shown),
+            config=json.dumps(
+                {**config, "campaign": Path(config.get("campaign", results.name)).name},
+                indent=1,
+                sort_keys=True,
+            ),
+            versions=versions(),
+            commit=commit(),
+            seed=config.get("seed"),
+        )
     )
 
 
