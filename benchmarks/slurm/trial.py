@@ -10,7 +10,6 @@ Disturbances: a job that is killed, a node that goes down and comes back, a time
 from __future__ import annotations
 
 import argparse
-import importlib.util
 import json
 import os
 import shutil
@@ -25,9 +24,9 @@ from pathlib import Path
 import yaml
 
 ROOT = Path(__file__).resolve().parents[2]
-_SPEC = importlib.util.spec_from_file_location("full_run", ROOT / "benchmarks" / "torture" / "full_run.py")
-full_run = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(full_run)
+sys.path[:0] = [str(ROOT / "benchmarks" / "torture")]
+
+import run_bench  # noqa: E402
 
 from eaclutch.files import write_json  # noqa: E402
 from eaclutch.manifest import verify  # noqa: E402
@@ -44,7 +43,7 @@ def slurm(command: str, *arguments: str) -> str:
 
 
 def started(
-    bench: full_run.Bench, name: str, *arguments: str, config: Path | None = None
+    bench: run_bench.Bench, name: str, *arguments: str, config: Path | None = None
 ) -> subprocess.Popen:
     """The run on Slurm in a working directory of its own."""
     work = bench.folder / name
@@ -66,27 +65,27 @@ def running_job(run: subprocess.Popen, seconds: float = 300.0) -> str | None:
     return None
 
 
-def outcome(bench: full_run.Bench, name: str, run: subprocess.Popen, *happened: object) -> dict:
+def outcome(bench: run_bench.Bench, name: str, run: subprocess.Popen, *happened: object) -> dict:
     """How it ended; the same command is given again where it failed."""
-    statuses = [run.wait(full_run.LONGEST)]
+    statuses = [run.wait(run_bench.LONGEST)]
     while statuses[-1] and len(statuses) < 3:
-        statuses.append(started(bench, name).wait(full_run.LONGEST))
+        statuses.append(started(bench, name).wait(run_bench.LONGEST))
     work = bench.folder / name
     return {
         "happened_to": happened,
         "statuses": statuses,
-        "different": full_run.differences(work, bench.reference),
+        "different": run_bench.differences(work, bench.reference),
     }
 
 
-def plain(bench: full_run.Bench) -> dict:
+def plain(bench: run_bench.Bench) -> dict:
     """Nothing happens."""
     begun = time.monotonic()
     found = outcome(bench, "plain", started(bench, "plain"))
     return found | {"wall_s": time.monotonic() - begun}
 
 
-def job_killed(bench: full_run.Bench) -> dict:
+def job_killed(bench: run_bench.Bench) -> dict:
     """A running job is killed."""
     run = started(bench, "killed")
     job = running_job(run)
@@ -95,7 +94,7 @@ def job_killed(bench: full_run.Bench) -> dict:
     return outcome(bench, "killed", run, job)
 
 
-def node_down(bench: full_run.Bench) -> dict:
+def node_down(bench: run_bench.Bench) -> dict:
     """The only node goes down while it works, and comes back."""
     run = started(bench, "down")
     job = running_job(run)
@@ -106,10 +105,10 @@ def node_down(bench: full_run.Bench) -> dict:
     return outcome(bench, "down", run, job, node)
 
 
-def time_limit(bench: full_run.Bench) -> dict:
+def time_limit(bench: run_bench.Bench) -> dict:
     """A stage that needs more than its time; with more time the same command goes on."""
     config = bench.folder / "long.yaml"
-    settings = {**full_run.QUICK, "campaign": "tiny"}
+    settings = {**run_bench.QUICK, "campaign": "tiny"}
     settings["posterior"] = {**settings["posterior"], "max_steps": 200_000, "check_every_steps": 100_000}
     settings["posterior"]["ess_min"] = 100_000
     config.write_text(yaml.safe_dump(settings))
@@ -126,18 +125,18 @@ def time_limit(bench: full_run.Bench) -> dict:
         target,
         config=config,
     )
-    status = run.wait(full_run.LONGEST)
+    status = run.wait(run_bench.LONGEST)
     half = (work / target).exists()
-    settings["posterior"] = full_run.QUICK["posterior"]
+    settings["posterior"] = run_bench.QUICK["posterior"]
     config.write_text(yaml.safe_dump(settings))
-    again = started(bench, "limit", config=config).wait(full_run.LONGEST)
+    again = started(bench, "limit", config=config).wait(run_bench.LONGEST)
     return {
         "status": status, "half_file": half, "again_with_short_chains": again,
-        "different": full_run.differences(work, bench.reference),
+        "different": run_bench.differences(work, bench.reference),
     }  # fmt: skip
 
 
-TRIALS: dict[str, Callable[[full_run.Bench], dict]] = {
+TRIALS: dict[str, Callable[[run_bench.Bench], dict]] = {
     "plain": plain, "job_killed": job_killed, "node_down": node_down, "time_limit": time_limit
 }  # fmt: skip
 
@@ -152,7 +151,7 @@ def main() -> None:
         print("no trial: Slurm is not up (benchmarks/slurm/one_node.sh start)", file=sys.stderr)
         sys.exit(77)
     with tempfile.TemporaryDirectory() as folder:
-        bench = full_run.Bench(Path(folder), 1)
+        bench = run_bench.Bench(Path(folder), 1)
         status = bench.run_reference()
         stands = verify(bench.folder / "reference" / "results" / "tiny")
         found: dict = {"at_home": {"status": status, "wall_s": bench.wall, "different": stands}}

@@ -13,108 +13,27 @@ import argparse
 import json
 import os
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from datetime import date
 from pathlib import Path
 
-import numpy as np
 import yaml
+from run_bench import LONGEST, QUICK, Bench, differences, mounted, state
 
-ROOT = Path(__file__).resolve().parents[2]
-sys.path[:0] = [str(ROOT / "src"), str(ROOT / "tests")]
-
-from eaclutch.files import write_json  # noqa: E402
-from eaclutch.manifest import content_hash, verify  # noqa: E402
-from eaclutch.provenance import commit  # noqa: E402
-from workflow.tiny import QUICK, tiny_campaign  # noqa: E402
-
-KINDS = (".csv", ".json", ".nc", ".html")
-LONGEST = 1800.0  # s: a run that takes longer hangs
+from eaclutch.files import read_json, write_json
+from eaclutch.manifest import verify
+from eaclutch.provenance import commit
 
 
-class Bench:
-    """A folder with the tiny campaign, its config and as many working directories as trials."""
+def kills(bench: Bench, count: int) -> Iterator[dict]:
+    """kill -9 at random moments, the same command again and again; each finished run is compared, then begun anew.
 
-    def __init__(self, folder: Path, seed: int):
-        self.folder, self.rng = folder, np.random.default_rng(seed)
-        tiny_campaign(folder / "tiny")
-        self.config = folder / "quick.yaml"
-        self.config.write_text(yaml.safe_dump(QUICK | {"campaign": "tiny"}))
-        self.wall = 0.0
-        self.reference: dict[str, str] = {}
-
-    def start(self, work: Path, config: Path | None = None) -> subprocess.Popen:
-        """The run, as the leader of its own process group."""
-        work.mkdir(exist_ok=True)
-        command = [sys.executable, "-m", "snakemake", "-s", str(ROOT / "Snakefile"), "--cores", "2"]
-        command += ["--configfile", str(config or self.config)]
-        environment = {**os.environ, "PYTHONPATH": str(ROOT / "src")}
-        with (self.folder / f"{work.name}.log").open("ab") as log:
-            return subprocess.Popen(
-                command, cwd=work, stdout=log, stderr=log, start_new_session=True, env=environment
-            )
-
-    def finish(self, work: Path, config: Path | None = None) -> int:
-        """Run to the end; the exit status."""
-        return self.start(work, config).wait(LONGEST)
-
-    def run_reference(self) -> int:
-        """The undisturbed run that all others are compared with; ends the trials where even that fails."""
-        work = self.folder / "reference"
-        started = time.monotonic()
-        status = self.finish(work)
-        self.wall = time.monotonic() - started
-        if status:
-            print((self.folder / "reference.log").read_text(errors="replace")[-6000:], file=sys.stderr)
-            sys.exit("the undisturbed run fails")
-        self.reference = state(work)
-        return status
-
-    def killed(self, work: Path, after: float, config: Path | None = None) -> bool:
-        """Start, kill the whole group after so many seconds; whether there was something to kill."""
-        run = self.start(work, config)
-        try:
-            run.wait(after)
-            return False
-        except subprocess.TimeoutExpired:
-            os.killpg(run.pid, signal.SIGKILL)
-            run.wait()
-            return True
-
-    def moment(self) -> float:
-        """A random time within a run [s]."""
-        return float(self.rng.uniform(1.0, 1.1 * self.wall))
-
-    def last_lines(self, work: Path) -> list[str]:
-        """The error lines in the run's output."""
-        text = (self.folder / f"{work.name}.log").read_text(errors="replace")
-        return [line for line in text.splitlines() if line.startswith("eaclutch: error:")]
-
-
-def state(work: Path) -> dict[str, str]:
-    """Content of all results but logs."""
-    results = work / "results" / "tiny"
-    return {
-        str(path.relative_to(results)): content_hash(path)
-        for path in sorted(results.rglob("*"))
-        if path.suffix in KINDS and "logs" not in path.parts and not path.name.startswith(".")
-    }
-
-
-def differences(work: Path, reference: dict[str, str]) -> list[str]:
-    """Names of results that are not as in the reference; the manifest is checked too."""
-    found = state(work)
-    names = sorted(name for name in {*found, *reference} if found.get(name) != reference.get(name))
-    return names + verify(work / "results" / "tiny")
-
-
-def kills(bench: Bench, count: int) -> dict:
-    """kill -9 at random moments, the same command again and again; each finished run is compared, then begun anew."""
+    Yields what has come out so far after each finished run.
+    """
     done, runs, failed, different = 0, 0, 0, []
     while done < count:
         work = bench.folder / f"kill{runs}"
@@ -124,14 +43,7 @@ def kills(bench: Bench, count: int) -> dict:
         different += differences(work, bench.reference)
         runs += 1
         shutil.rmtree(work)
-    return {"kills": done, "runs_finished": runs, "resumes_failed": failed, "different": different}
-
-
-def mounted(kind: list[str], place: Path) -> str | None:
-    """Mount on ``place``; the reason why it cannot be done, or None."""
-    place.mkdir(exist_ok=True)
-    done = subprocess.run(["mount", *kind, str(place)], capture_output=True, text=True)
-    return done.stderr.strip() or "mount failed" if done.returncode else None
+        yield {"kills": done, "runs_finished": runs, "resumes_failed": failed, "different": list(different)}
 
 
 def disk_full(bench: Bench) -> dict:
@@ -266,17 +178,15 @@ def main() -> None:
     parser.add_argument("--output", type=Path, required=True)
     parser.add_argument("trials", nargs="*", help="of " + ", ".join(TRIALS))
     chosen = parser.parse_args()
-    result: dict = {
-        "command": " ".join(["python benchmarks/torture/full_run.py", *sys.argv[1:]]),
-        "date": date.today().isoformat(),
-        "commit": commit(),
-        "trials": {},
-        "different": 0,
-    }
+    result: dict = {"trials": {}}
+    if chosen.output.exists():  # each trial keeps its own date and commit: they need not run in one go
+        result = read_json(chosen.output)
 
     def note(name: str, found: dict) -> None:
-        result["trials"][name] = found
-        result["different"] += len(found.get("different", ()))
+        head = {"command": " ".join(["python benchmarks/torture/full_run.py", *sys.argv[1:]])}
+        head |= {"date": date.today().isoformat(), "commit": commit()}
+        result["trials"][name] = found | head
+        result["different"] = sum(len(trial.get("different", ())) for trial in result["trials"].values())
         write_json(chosen.output, result)
         print(name, json.dumps(found), flush=True)
 
@@ -291,8 +201,8 @@ def main() -> None:
         for name, trial in TRIALS.items():
             if not chosen.trials or name in chosen.trials:
                 note(name, trial(bench))
-        if chosen.kills:
-            note("kills", kills(bench, chosen.kills))
+        for found in kills(bench, chosen.kills):
+            note("kills", found)
     sys.exit(bool(result["different"] or status))
 
 

@@ -1,24 +1,19 @@
 """A run that is killed twice and then started twice at once (benchmarks/torture/full_run.py has the long trials)."""
 
-import importlib.util
 import os
 import time
-from pathlib import Path
 
 import pytest
+import run_bench
 
 from eaclutch.manifest import verify
 
 pytestmark = pytest.mark.workflow
-_SCRIPT = Path(__file__).resolve().parents[2] / "benchmarks" / "torture" / "full_run.py"
-_SPEC = importlib.util.spec_from_file_location("full_run", _SCRIPT)
-full_run = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(full_run)
 
 
 @pytest.mark.timeout(1200)
 def test_a_killed_run_goes_on_and_only_one_works_at_a_time(tmp_path):
-    bench, work = full_run.Bench(tmp_path, 1), tmp_path / "work"
+    bench, work = run_bench.Bench(tmp_path, 1), tmp_path / "work"
     assert bench.killed(work, 10.0)
     assert bench.killed(work, 20.0)
     tomorrow = time.time() + 86_400  # the clock was set back: all that is there comes from the future

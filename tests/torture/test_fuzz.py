@@ -1,16 +1,8 @@
 """A short run of the fuzzer (benchmarks/torture/fuzz.py), with numbers that once failed among its trials."""
 
-import importlib.util
-import sys
-from pathlib import Path
-
+import fuzz
 import pytest
 
-_SCRIPT = Path(__file__).resolve().parents[2] / "benchmarks" / "torture" / "fuzz.py"
-_SPEC = importlib.util.spec_from_file_location("fuzz", _SCRIPT)
-fuzz = importlib.util.module_from_spec(_SPEC)
-sys.modules["fuzz"] = fuzz  # a dataclass looks its module up
-_SPEC.loader.exec_module(fuzz)
 READERS = fuzz.readers()
 ONCE_FAILED = {"log_npy": (12, 17, 657), "load_cell": (60, 271, 1003)}
 

@@ -1,18 +1,14 @@
 """Hostile campaigns (benchmarks/torture/hostile.py) through the commands: nothing runs, nothing changes, one line."""
 
-import importlib.util
 import subprocess
 import sys
-from pathlib import Path
 
+import hostile
 import pytest
+from hostile_campaigns import sound
 
 from eaclutch.cli import main
 
-_SCRIPT = Path(__file__).resolve().parents[2] / "benchmarks" / "torture" / "hostile.py"
-_SPEC = importlib.util.spec_from_file_location("hostile", _SCRIPT)
-hostile = importlib.util.module_from_spec(_SPEC)
-_SPEC.loader.exec_module(hostile)
 MUST_BE_REFUSED = {
     "npy_pickle", "npy_is_a_pickle", "npy_absurd_shape", "npy_header_with_code", "yaml_python_tag", "yaml_aliases",
     "yaml_deep", "yaml_runs_python_in_configs", "yaml_name_leads_elsewhere", "yaml_not_finite", "yaml_absurd_numbers",
@@ -26,13 +22,13 @@ MUST_BE_REFUSED = {
 @pytest.mark.parametrize("name", hostile.CASES)
 @pytest.mark.timeout(60)
 def test_a_hostile_campaign_does_no_harm(name, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr(hostile, "BOMB_MEGABYTES", 156)
+    monkeypatch.setattr(sound, "BOMB_MEGABYTES", 156)
     results = tmp_path / "work" / "results"
     results.mkdir(parents=True)
     monkeypatch.chdir(results)
     folder = tmp_path / "campaign"
     hostile.CASES[name](folder)
-    before = hostile._state(folder)
+    before = hostile.state(folder)
     refused = False
     for command in hostile.COMMANDS:
         try:
@@ -45,14 +41,14 @@ def test_a_hostile_campaign_does_no_harm(name, tmp_path, monkeypatch, capsys):
             break
     assert refused or name not in MUST_BE_REFUSED
     assert not list(tmp_path.rglob("canary"))
-    assert hostile._state(folder) == before
+    assert hostile.state(folder) == before
     assert {path.name for path in tmp_path.iterdir()} <= {"campaign", "other", "work"}
     assert [path.name for path in (tmp_path / "work").iterdir()] == ["results"]
 
 
 def test_the_recorded_run_is_a_command(tmp_path):
     done = subprocess.run(
-        [sys.executable, str(_SCRIPT), "--output", "h.json", "yaml_python_tag", "name_with_newline"],
+        [sys.executable, hostile.__file__, "--output", "h.json", "yaml_python_tag", "name_with_newline"],
         cwd=tmp_path, capture_output=True, text=True,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout + done.stderr

@@ -17,7 +17,7 @@ _SPEC.loader.exec_module(trial)
 def test_a_run_on_slurm_whose_job_is_killed_ends_as_one_at_home(tmp_path):
     if not shutil.which("sinfo") or not trial.slurm("sinfo", "-h"):
         pytest.skip("Slurm is not up (benchmarks/slurm/one_node.sh start)")
-    bench = trial.full_run.Bench(tmp_path, 1)
+    bench = trial.run_bench.Bench(tmp_path, 1)
     assert bench.run_reference() == 0
     found = trial.job_killed(bench)
     assert found["happened_to"][0] is not None
