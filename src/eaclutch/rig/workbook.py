@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from openpyxl import load_workbook
-
 from eaclutch.records import InputError
 
 LARGEST = 50_000_000  # bytes once unpacked
@@ -34,6 +32,8 @@ def read_sheets(path: Path) -> tuple[Sheet, ...]:
     Raises InputError for a file that is no workbook, is too large once unpacked, has a formula without a cached
     value, or a cell that is no number where one must be.
     """
+    from openpyxl import load_workbook  # 15 MiB that jobs on logs alone need not carry
+
     try:
         if path.stat().st_size > LARGEST:
             raise InputError(path, "is larger than a bench's workbook", "split the workbook")
