@@ -23,7 +23,7 @@ def test_what_moved_most_comes_first(results_folder: Path, tmp_path: Path) -> No
     write_json(other / "diagnosis" / "diagnosis.json", document)
     first, second = read_results(results_folder), read_results(other)
     found = changes(first.summary, second.summary)
-    assert (found[0].name, found[0].unit) == ("mass", "kg")
+    assert (found[0].name, found[0].unit) == ("mass", "g")
     assert found[0].distance == pytest.approx(5 / 2**0.5)
     html = render_comparison(first, second)
     assert "explained by trapped charge" in html and "No gap beyond repeatability" in html

@@ -37,8 +37,9 @@ def _gap(results: Results) -> Picture | None:
             figure,
             "gap",
             "Mean gap from capacitance against normal force, by substrate width.",
-            f"{int(used.sum())} of {len(table)} readings used; gaps from {number(float(table['gap_um'][used].min()))} "
-            f"to {number(float(table['gap_um'][used].max()))} µm.",
+            f"{int(used.sum())} of {len(table)} readings; gaps from {number(float(table['gap_um'][used].min()))} "
+            f"to {number(float(table['gap_um'][used].max()))} µm. Which of them the contact is fitted to stands "
+            "under the parameters.",
         )
 
 
@@ -51,7 +52,7 @@ def _spectra(results: Results) -> Picture | None:
             rows = rows.sort_values("frequency_hz")
             axes.plot(
                 rows["frequency_hz"], rows["relative_permittivity"], MARKERS[i % len(MARKERS)] + "-",
-                color=SERIES[i % len(SERIES)], ms=3.5, lw=0.8, label=str(source),
+                color=SERIES[i % len(SERIES)], ms=3.5, lw=0.8, label=str(source).replace("_", " "),
             )  # fmt: skip
         axes.set(xscale="log", xlabel="frequency (Hz)", ylabel="relative permittivity (1)")
         axes.legend()

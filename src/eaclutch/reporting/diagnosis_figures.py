@@ -1,19 +1,13 @@
-"""How large the gap is, where it sits, and what explains it."""
+"""How large the gap is, and what explains it."""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Mapping
 from typing import Any
-
-import numpy as np
-import pandas as pd
 
 from eaclutch.reporting.drawing import BLUE, GREEN, GREY, INK, VERMILION, Picture, canvas, picture
 from eaclutch.reporting.results import Results
 from eaclutch.reporting.words import (
-    FACTORS,
-    Scale,
     effect_words,
     number,
     observable_words,
@@ -21,6 +15,7 @@ from eaclutch.reporting.words import (
     scale_for,
 )
 
+MOST, LEAST = 6, 0.01  # bars of the hypotheses, and the probability below which one is not drawn by itself
 CLIPPED_AT = 120.0  # %; a value that is typically near zero would squeeze all others
 
 
@@ -45,7 +40,7 @@ def closure_figure(diagnosis: Mapping[str, Any]) -> Picture | None:
         if interval and None not in interval:
             ends[0] = max(before, interval[1])
         for row, (_, value, _) in enumerate(bars):
-            axes.text(ends[row], row, f"  {number(value)}", va="center", ha="left", color=INK)
+            axes.annotate(number(value), (ends[row], row), (6, 0), textcoords="offset points", va="center")
         if interval and None not in interval:
             axes.errorbar(
                 before,
@@ -56,7 +51,14 @@ def closure_figure(diagnosis: Mapping[str, Any]) -> Picture | None:
                 lw=1,
             )
         axes.axvline(floor, color=INK, ls="--", lw=1.2)
-        axes.text(floor, -0.42, f" noise floor {number(floor)}", ha="left", va="bottom", fontsize=9)
+        axes.annotate(
+            f"noise floor {number(floor)}",
+            (floor, -0.42),
+            (4, 0),
+            textcoords="offset points",
+            va="bottom",
+            fontsize=9,
+        )
         axes.set_yticks(range(len(bars)), [_wrapped(label) for label, *_ in bars])
         axes.set(
             xlabel="mean squared error / repeat variance (1)",
@@ -97,11 +99,15 @@ def by_observable_figure(results: Results) -> Picture | None:
                 axes.plot(entry["after"] * share, y, "s", color=GREEN, ms=7, mfc="white", mew=1.6)
             axes.plot(entry["before"] * share, y, "o", color=VERMILION if significant else GREY, ms=5.5)
         largest = [100 * max(entry["before"], entry.get("after") or 0) / size for _, size, entry in rows]
-        for y, value in enumerate(largest):
-            if value > CLIPPED_AT:
+        for y, (_, size, entry) in enumerate(rows):
+            if largest[y] > CLIPPED_AT:
+                ends = [
+                    100 * value / size for value in (entry["before"], entry.get("after")) if value is not None
+                ]
+                told = ", then ".join(f"{value:.0f} %" for value in ends if value > CLIPPED_AT)
                 axes.text(
-                    CLIPPED_AT, y, f"{value:.0f} % → ", ha="right", va="center", fontsize=9,
-                    bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0},
+                    CLIPPED_AT, y, f"{told} →", ha="right", va="center", fontsize=9,
+                    bbox={"facecolor": "white", "edgecolor": "none", "pad": 4.0}, zorder=5,
                 )  # fmt: skip
         end = CLIPPED_AT if max(largest) > CLIPPED_AT else None
         axes.set_yticks(range(len(rows)), [observable_words(name) for name, *_ in rows])
@@ -121,113 +127,53 @@ def by_observable_figure(results: Results) -> Picture | None:
             figure,
             "by-observable",
             "Dots of the gap of each observable, before and after the verdict, with its noise floor.",
-            f"Largest for its size: {observable_words(name)}, {number(float(scale(worst['before'])))} {scale.unit} "
-            f"against a noise floor of {number(float(scale(worst.get('noise_floor') or 0)))} {scale.unit}".strip()
-            + ".",
+            f"Largest for its size: {observable_words(name)}, {number(float(scale(worst['before'])))} {scale.unit}, "
+            f"where repeats alone would give {number(float(scale(worst.get('noise_floor') or 0)))} {scale.unit}.",
         )
 
 
-def hypotheses_figure(diagnosis: Mapping[str, Any], shown: int = 8) -> Picture | None:
-    """Probabilities of the leading hypotheses."""
-    entries = sorted(diagnosis.get("hypotheses", []), key=lambda entry: -entry["probability"])[:shown]
+def hypotheses_figure(diagnosis: Mapping[str, Any]) -> Picture | None:
+    """Probabilities of the leading hypotheses; what nothing explains and no gap are always among them."""
+    entries = sorted(diagnosis.get("hypotheses", []), key=lambda entry: -entry["probability"])
     if not entries:
         return None
-    entries.reverse()
-    named = diagnosis["verdict"]["effects"]
-    with canvas(0.9 + 0.34 * len(entries)) as (figure, axes):
-        for y, entry in enumerate(entries):
-            colour = BLUE if entry["effects"] == named else GREY
-            axes.barh(y, entry["probability"], color=colour, height=0.62)
-            axes.text(entry["probability"], y, f" {percent(entry['probability'])}", va="center", fontsize=9)
-        axes.set_yticks(range(len(entries)), [_wrapped(effect_words(entry["effects"])) for entry in entries])
-        axes.set(xlabel="probability (1)", xlim=(0, 1.14), xticks=[0, 0.25, 0.5, 0.75, 1])
+    bars = [
+        (effect_words(entry["effects"]), entry["probability"], entry["effects"])
+        for rank, entry in enumerate(entries)
+        if rank == 0
+        or (rank < MOST and entry["probability"] >= LEAST)
+        or entry["effects"] in ([], ["unknown"])
+    ]
+    if len(bars) < len(entries):
+        rest = max(1.0 - sum(probability for _, probability, _ in bars), 0.0)
+        bars.append((f"{len(entries) - len(bars)} others together", rest, None))
+    bars.reverse()
+    labels = [_wrapped(label) for label, *_ in bars]
+    with canvas(0.9 + 0.17 * sum(1 + label.count("\n") for label in labels) + 0.17 * len(bars)) as (
+        figure,
+        axes,
+    ):
+        for y, (_, probability, effects) in enumerate(bars):
+            colour = BLUE if effects == diagnosis["verdict"]["effects"] else GREY
+            axes.barh(y, probability, color=colour, height=0.62)
+            axes.annotate(
+                percent(probability),
+                (probability, y),
+                (4, 0),
+                textcoords="offset points",
+                va="center",
+                fontsize=9,
+            )
+        axes.set_yticks(range(len(bars)), labels)
+        axes.set(xlabel="probability (1)", xlim=(0, 1.18), xticks=[0, 0.25, 0.5, 0.75, 1])
         axes.grid(axis="y", visible=False)
-        best = entries[-1]
         return picture(
             figure,
             "hypotheses",
             "Bars of the probability of each hypothesis.",
-            f"Which: {effect_words(best['effects'])} leads with {percent(best['probability'])} of "
-            f"{len(diagnosis['hypotheses'])} hypotheses weighed. Blue: the verdict.",
+            f"Which: {bars[-1][0]} leads with {percent(bars[-1][1])} of {len(entries)} hypotheses weighed. "
+            "Blue: the verdict.",
         )
-
-
-def where_figures(results: Results, most: int = 3) -> list[Picture]:
-    """Measured and predicted against the factor, on left-out conditions, for the leading entries of ``where``."""
-    pictures: list[Picture] = []
-    seen: set[tuple[str, str]] = set()
-    entries = sorted(results.diagnosis.get("where", []), key=lambda entry: -(entry.get("share") or 0))
-    for entry in entries:
-        factor = entry["factor"] if entry["factor"] in results.runs else "voltage_v"
-        if len(pictures) < most and (entry["observable"], factor) not in seen:
-            seen.add((entry["observable"], factor))
-            drawn = _against_factor(results, entry, factor, len(pictures))
-            if drawn:
-                pictures.append(drawn)
-    return pictures
-
-
-def _against_factor(results: Results, entry: Mapping[str, Any], factor: str, index: int) -> Picture | None:
-    name = entry["observable"]
-    rows = results.predicted(name)
-    table = rows.merge(results.runs[["run", factor]], on="run")
-    if table.empty:
-        return None
-    info = results.observables.get(name)
-    scale = scale_for(table["measured"], info.unit if info else "1")
-    levels, label = _positions(table[factor])
-    spread = 0.16
-    with canvas(3.3) as (figure, axes):
-        jitter = np.linspace(-spread / 2, spread / 2, len(table))
-        axes.errorbar(
-            levels - spread, scale(table["median"]),
-            yerr=np.abs(scale(np.stack([table["median"] - table["q05"], table["q95"] - table["median"]]))),
-            fmt="s", color=BLUE, ms=4, lw=0.8, alpha=0.5, label="predicted, 90 % interval",
-        )  # fmt: skip
-        axes.plot(
-            levels + spread + jitter,
-            scale(table["measured"]),
-            "o",
-            color=VERMILION,
-            ms=4,
-            alpha=0.8,
-            label="measured",
-        )
-        axes.set_xticks(range(len(label)), label)
-        axes.set(xlabel=FACTORS.get(factor, factor), ylabel=_axis(name, scale))
-        if sum(map(len, label)) > 30:
-            axes.tick_params(axis="x", labelrotation=45)
-        figure.legend(loc="outside upper left", ncols=2)
-        difference = float(np.median(scale(table["measured"] - table["median"])))
-        held = bool((rows["held_out"].astype(str).str.lower() == "true").all())
-        source = "left-out conditions" if held else "all conditions"
-        return picture(
-            figure,
-            f"where-{index}",
-            f"{observable_words(name)} measured and predicted against {FACTORS.get(factor, factor)}, {source}.",
-            f"{observable_words(name).capitalize()}, {len(table)} runs of {source}: measured less predicted is "
-            f"{number(difference, 2)} {scale.unit} in the median.",
-        )
-
-
-def _positions(values: pd.Series) -> tuple[np.ndarray, list[str]]:
-    """Categories 0, 1, ... of a factor's levels (numbers binned to at most eight) and their labels."""
-    if pd.api.types.is_numeric_dtype(values):
-        unique = np.unique(values.dropna())
-        if len(unique) > 8:
-            edges = np.unique(np.quantile(values.dropna(), np.linspace(0, 1, 6)))
-            index = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, len(edges) - 2)
-            return index, [f"{a:.2g}–{b:.2g}" for a, b in itertools.pairwise(edges)]
-        return np.searchsorted(unique, values), [
-            "DC" if u == 0.1 and values.name == "frequency_hz" else f"{u:g}" for u in unique
-        ]
-    names = sorted(values.unique())
-    return np.array([names.index(value) for value in values]), [str(name) for name in names]
-
-
-def _axis(name: str, scale: Scale) -> str:
-    text = observable_words(name)
-    return f"{text} ({scale.unit})" if scale.unit else f"{text} (1)"
 
 
 def _wrapped(text: str, width: int = 20) -> str:

@@ -17,14 +17,15 @@ from eaclutch.reporting.diagnosis_figures import (
     by_observable_figure,
     closure_figure,
     hypotheses_figure,
-    where_figures,
 )
 from eaclutch.reporting.drawing import Picture
+from eaclutch.reporting.glance import glance, glossary, missing_table
 from eaclutch.reporting.posterior_figures import corner_figure, trace_figure
 from eaclutch.reporting.prediction_figures import coverage_figure, prediction_figures
 from eaclutch.reporting.results import STAGES, Results
 from eaclutch.reporting.templating import environment, style
 from eaclutch.reporting.thumbnails import HEIGHT, WIDTH, Thumbnail, thumbnails
+from eaclutch.reporting.where_figures import where_figures
 from eaclutch.reporting.words import (
     Scale,
     measured,
@@ -59,6 +60,9 @@ def render(results: Results, config: Mapping[str, Any]) -> str:
             results=results,
             diagnosis=diagnosis,
             sentence=sentences.verdict_sentence(diagnosis),
+            glance=glance(results),
+            missing=missing_table(results),
+            glossary=glossary(results),
             caveats=sentences.caveats(results),
             where=sentences.where_sentences(diagnosis),
             absorbed=sentences.absorption_sentences(diagnosis),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,21 +10,21 @@ from scipy.stats import gaussian_kde
 
 from eaclutch.reporting.drawing import BLUE, GREY, SERIES, Picture, canvas, picture
 from eaclutch.reporting.results import StageDraws
-from eaclutch.reporting.words import number
+from eaclutch.reporting.words import Scale, number, scale_for, superscript
 
 MOST = 6  # parameters of one corner plot; more could not be read
 
 
 def corner_figure(stage: str, draws: StageDraws) -> Picture | None:
-    """Histograms on the diagonal (grey line: the prior), pairs below it."""
+    """Histograms on the diagonal (grey line: the prior) under the parameter's name, pairs below it."""
     names = list(draws.posterior)[:MOST]
     if not names:
         return None
-    flat = {name: draws.posterior[name].ravel() for name in names}
-    units = [_unit(draws, name) for name in names]
+    scales = {name: axis_scale(draws.posterior[name], _unit(draws, name)) for name in names}
+    flat = {name: scales[name](draws.posterior[name].ravel()) for name in names}
     n = len(names)
     points = np.linspace(0, len(flat[names[0]]) - 1, min(600, len(flat[names[0]]))).astype(int)
-    with canvas(max(1.05 * n, 2.6), n, n) as (figure, grid):
+    with canvas(max(1.0 * n, 2.6), n, n) as (figure, grid):
         grid = np.atleast_2d(grid)
         for i, row in enumerate(names):
             for j, column in enumerate(names):
@@ -32,13 +33,15 @@ def corner_figure(stage: str, draws: StageDraws) -> Picture | None:
                     axes.set_visible(False)
                     continue
                 axes.grid(visible=False)
-                axes.tick_params(labelsize=7)
+                axes.tick_params(labelsize=7, pad=2)
+                axes.tick_params(axis="x", labelrotation=60)
                 axes.locator_params(nbins=3)
-                axes.ticklabel_format(scilimits=(-2, 3))
-                axes.xaxis.offsetText.set_fontsize(7)
-                axes.yaxis.offsetText.set_fontsize(7)
+                axes.ticklabel_format(useOffset=False, style="plain")
                 if i == j:
-                    _marginal(axes, flat[row], draws.prior.get(row))
+                    prior = draws.prior.get(row)
+                    _marginal(axes, flat[row], None if prior is None else scales[row](prior))
+                    side = "right" if i == n - 1 and n > 1 else "left"  # the last has no room beyond it
+                    axes.set_title(f"{_short(row)} ({scales[row].unit or 1})", fontsize=8, loc=side, pad=3)
                 else:
                     axes.plot(
                         flat[column][points],
@@ -51,12 +54,8 @@ def corner_figure(stage: str, draws: StageDraws) -> Picture | None:
                     )
                 if i < n - 1:
                     axes.set_xticklabels([])
-                else:
-                    axes.set_xlabel(f"{_short(column)}\n({units[j]})", fontsize=8)
                 if j > 0 or i == 0:
                     axes.set_yticklabels([])
-                else:
-                    axes.set_ylabel(f"{_short(row)}\n({units[i]})", fontsize=8)
         strongest = _strongest(flat)
         text = f"{stage.replace('_', ' ').capitalize()}: blue, posterior; grey line, prior."
         if strongest:
@@ -72,6 +71,16 @@ def corner_figure(stage: str, draws: StageDraws) -> Picture | None:
         )
 
 
+def axis_scale(values: np.ndarray, unit: str) -> Scale:
+    """A prefix, or a power of ten before the unit, that leaves short numbers at the ticks."""
+    scale = scale_for(values, unit)
+    typical = float(np.median(np.abs(scale(values))))
+    if not typical or 1e-2 <= typical < 1e4:
+        return scale
+    power = math.floor(math.log10(typical))
+    return Scale(scale.factor / 10.0**power, f"10{superscript(power)} {scale.unit}".strip())
+
+
 def trace_figure(stage: str, draws: StageDraws) -> Picture | None:
     """Every parameter's draws in the order of sampling, a colour an ensemble."""
     names = list(draws.posterior)[:MOST]
@@ -79,13 +88,13 @@ def trace_figure(stage: str, draws: StageDraws) -> Picture | None:
         return None
     with canvas(0.5 + 0.85 * len(names), rows=len(names)) as (figure, grid):
         for axes, name in zip(np.atleast_1d(grid), names, strict=True):
-            for chain, values in enumerate(draws.posterior[name]):
+            scale = axis_scale(draws.posterior[name], _unit(draws, name))
+            for chain, values in enumerate(scale(draws.posterior[name])):
                 kept = np.linspace(0, len(values) - 1, min(150, len(values))).astype(int)
                 axes.plot(kept, values[kept], color=SERIES[chain % len(SERIES)], lw=0.5, alpha=0.8)
-            axes.set_ylabel(f"{_short(name)}\n({_unit(draws, name)})", fontsize=8)
+            axes.set_title(f"{_short(name)} ({scale.unit or 1})", fontsize=8, loc="left", pad=3)
             axes.tick_params(labelsize=8)
-            axes.ticklabel_format(axis="y", scilimits=(-2, 3))
-            axes.yaxis.offsetText.set_fontsize(7)
+            axes.ticklabel_format(axis="y", useOffset=False, style="plain")
         np.atleast_1d(grid)[-1].set_xlabel("draw, by step and walker (1)")
         chains = len(next(iter(draws.posterior.values())))
         return picture(

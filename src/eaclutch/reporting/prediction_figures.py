@@ -47,12 +47,14 @@ def _prediction(results: Results, name: str, index: int) -> Picture | None:
         axes.plot(ends, ends, color=INK, lw=1, ls="--")
         unit = scale.unit or "1"
         axes.set(xlim=ends, ylim=ends, xlabel=f"measured ({unit})", ylabel=f"predicted ({unit})")
+        axes.locator_params(nbins=5)
         axes.set_title(observable_words(name), loc="left", fontsize=11)
         figure.legend(loc="outside lower left", ncols=4, fontsize=8.5, handletextpad=0.1)
         strange = int((statuses != "ok").sum())
         text = (
-            f"{runs} runs; {percent(inside)} of the measured values lie in the 90 % interval; predicted less "
-            f"measured {number(float(scale(offset)), 2)} {unit} in the median."
+            f"{runs} runs; {percent(inside)} of the measured values lie in the 90\u00a0% interval; predicted less "
+            f"measured {number(float(scale(offset)), 2)} {scale.unit}".rstrip()
+            + " in the median."
         )
         if runs > len(table):
             text += f" Drawn: {len(table)} of them."

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from typing import Any
 
 from eaclutch.reporting.results import Results
-from eaclutch.reporting.words import FACTORS, effect_words, number, observable_words, percent
+from eaclutch.reporting.words import FACTORS, effect_words, number, observable_words, percent, scale_for
 
 MOST_OF_IT = 0.8  # of the closable gap; what closes less explains a part
 LEAST_SHIFT = 0.5  # posterior standard deviations; smaller moves say nothing
+MOST_SHIFTS = 8  # of the ledger's entries on the page; the rest stands in the file
+_SIGNS = {"<=": "≤", ">=": "≥", "<": "<", ">": ">"}
 
 
 def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
@@ -29,13 +32,17 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
     named = effect_words(effects)
     closed = closure_words(diagnosis.get("closure") or {})
     further = [sorted(set(names) - set(effects)) for names in others if set(names) > set(effects)]
-    rivals = [names for names in others if not set(names) > set(effects)]
+    needless = [sorted(set(effects) - set(names)) for names in others if set(names) < set(effects)]
+    rivals = [names for names in others if not set(names) > set(effects) and not set(names) < set(effects)]
     if rivals:
         listed = ", or ".join(effect_words(names) for names in rivals)
         return f"The gap points to {named} (probability {probability}), but these data cannot tell it from {listed}."
     if further:
         listed = " or ".join(effect_words(names) for names in further)
         closed += f"; whether {listed} adds to it, these data cannot tell"
+    if needless:
+        listed = " or ".join(effect_words(names) for names in needless)
+        closed += f"; whether {listed} is needed for that, these data cannot tell"
     partly = "partly " if _left(diagnosis) else ""
     return f"The gap is {partly}explained by {named} (probability {probability}){closed}."
 
@@ -70,13 +77,11 @@ def caveats(results: Results) -> list[str]:
     diagnosis, found = results.diagnosis, []
     verdict = diagnosis["verdict"]
     causes = {cause["effect"]: cause for cause in diagnosis.get("causes", [])}
-    for name in (effect for effect in verdict["effects"] if effect != "unknown"):
+    named = [effect for effect in verdict["effects"] if effect != "unknown"]
+    if named and _left(diagnosis):
+        found.append(f"With {effect_words(named)} in the model, part of the gap still stays unexplained.")
+    for name in named:
         cause = causes.get(name, {})
-        if cause.get("adequate_after") is False:
-            found.append(
-                f"With {effect_words([name])} the model still fails the absolute check: "
-                "part of the gap stays unexplained."
-            )
         if cause.get("indistinguishable_from"):
             rivals = ", ".join(effect_words([other]) for other in cause["indistinguishable_from"])
             found.append(f"In this campaign {effect_words([name])} looks like {rivals}.")
@@ -86,7 +91,7 @@ def caveats(results: Results) -> list[str]:
         for other in entry.get("confounded_with") or ()
     }
     for factor, other in sorted(confounded):
-        first, second = (_factor(name).partition(" (")[0] for name in (factor, other))
+        first, second = (factor_words(name) for name in (factor, other))
         found.append(
             f"{first.capitalize()} varies together with {second} here: the gap cannot be pinned on one of the two."
         )
@@ -95,11 +100,6 @@ def caveats(results: Results) -> list[str]:
             found.append(f"The {stage.replace('_', ' ')} posterior has not converged.")
         elif entry.get("source") == "prior":
             found.append(f"No usable data for the {stage.replace('_', ' ')}: it rests on its prior.")
-    left_out = len(results.runs) - int((results.runs["usable"].astype(str).str.lower() == "true").sum())
-    if left_out:
-        found.append(
-            f"{left_out} of {len(results.runs)} runs are not used; each is listed below with its reason."
-        )
     return found
 
 
@@ -111,41 +111,54 @@ def where_sentences(diagnosis: Mapping[str, Any]) -> list[str]:
 
 def where_sentence(entry: Mapping[str, Any]) -> str:
     """What is off, at which level of which factor, by which share of the closable gap."""
-    level = "" if entry["factor"] == "all" else f" at {level_words(entry['factor'], str(entry['level']))}"
-    sign = {"+": "above", "-": "below"}.get(entry.get("direction", ""), "off")
     interval = entry.get("interval") or [None, None]
     share = percent(entry.get("share"))
     if None not in interval:
         share += f" ({percent(interval[0])} to {percent(interval[1])})"
-    return (
-        f"{observable_words(entry['observable']).capitalize()}{level} lies {sign} the prediction: "
-        f"{share} of the closable gap, p = {number(entry.get('p_value'), 2)}."
-    )
+    return f"{place_words(entry)}: {share} of the closable gap, p = {number(entry.get('p_value'), 2)}."
+
+
+def place_words(entry: Mapping[str, Any]) -> str:
+    """``Shear capacity at substrate width > 3 mm lies below the prediction``."""
+    level = "" if entry["factor"] == "all" else f" {level_words(entry['factor'], str(entry['level']))}"
+    sign = {"+": "above", "-": "below"}.get(entry.get("direction", ""), "off")
+    name = observable_words(entry["observable"])
+    return f"{name[:1].upper()}{name[1:]}{level} lies {sign} the prediction"
 
 
 def level_words(factor: str, level: str) -> str:
-    """``drive frequency ≤ 10 Hz`` from a factor's name and a level such as ``<=10``."""
-    name, _, unit = _factor(factor).partition(" (")
+    """``at drive frequency ≤ 10 Hz`` from a factor's name and a level such as ``<=10``; ``in session a``."""
+    if factor == "session":
+        return f"in session {level}"
+    name, _, unit = FACTORS.get(factor, factor_words(factor)).partition(" (")
     if factor == "frequency_hz" and level in ("0.1", "<=0.1"):
-        return "DC"
-    shown = level.replace("<=", "≤ ").replace(">=", "≥ ")
-    return f"{name} {shown} {unit.rstrip(')')}".strip()
+        return "at DC"
+    shown = re.sub(r"^(<=|>=|<|>)\s*", lambda sign: _SIGNS[sign[1]] + "\u00a0", level)
+    return f"at {name} {shown}\u00a0{unit.rstrip(')')}".strip()
 
 
 def absorption_sentences(diagnosis: Mapping[str, Any]) -> list[str]:
-    """How far each calibrated parameter moves back once the named effect is in the model."""
-    sentences = []
+    """How far the calibrated parameters move back once the named effect is in the model, farthest first."""
     moved = (diagnosis.get("absorbed") or {}).items()
-    for name, entry in sorted(moved, key=lambda item: -abs(item[1].get("shift_posterior_sd") or 0)):
-        if abs(entry.get("shift_posterior_sd") or 0) < LEAST_SHIFT:
-            continue
-        unit = "" if entry.get("unit") in (None, "1") else f" {entry['unit']}"
+    order = sorted(moved, key=lambda item: -abs(item[1].get("shift_posterior_sd") or 0))
+    told = [
+        (name, entry) for name, entry in order if abs(entry.get("shift_posterior_sd") or 0) >= LEAST_SHIFT
+    ]
+    sentences = []
+    for name, entry in told[:MOST_SHIFTS]:
+        ends = [entry.get("before"), entry.get("after")]
+        scale = scale_for([value for value in ends if value is not None], entry.get("unit") or "1")
+        before, after = (number(None if value is None else float(scale(value))) for value in ends)
+        shift = entry["shift_posterior_sd"]
         sentences.append(
-            f"{name.replace('_', ' ')}: {number(entry.get('before'))} → {number(entry.get('after'))}{unit}"
-            f" ({number(entry.get('shift_posterior_sd'), 2)} posterior sd)"
+            f"{name.replace('_', ' ')}: {before} → {after} {scale.unit}".rstrip()
+            + f" ({number(abs(shift), 2)} posterior sd {'down' if shift > 0 else 'up'})"
         )
+    if len(told) > MOST_SHIFTS:
+        sentences.append(f"{len(told) - MOST_SHIFTS} more by less; all are in diagnosis/diagnosis.json")
     return sentences
 
 
-def _factor(name: str) -> str:
-    return FACTORS.get(name, name.replace("_", " "))
+def factor_words(name: str) -> str:
+    """``voltage`` for ``voltage_v``."""
+    return FACTORS.get(name, name.replace("_", " ")).partition(" (")[0]

@@ -7,7 +7,8 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from eaclutch.reporting.words import effect_words, number, observable_words, percent
+from eaclutch.reporting.glance import set_words
+from eaclutch.reporting.words import effect_words, number, observable_words, percent, plain, with_error
 
 _TEMPLATES = Path(__file__).parent / "templates"
 
@@ -26,6 +27,9 @@ def environment() -> Environment:
         "percent": percent,
         "observable": observable_words,
         "effects": effect_words,
+        "set": set_words,
+        "plain": plain,
+        "with_error": with_error,
     }
     return found
 

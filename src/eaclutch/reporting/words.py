@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -30,18 +31,30 @@ _PREFIXES = (
     (1e-6, "µ"),
     (1e-9, "n"),
     (1e-12, "p"),
+    (1e-15, "f"),
 )
-_SCALED = {"s", "N", "m", "F", "Hz", "N/s", "N/m"}
+_SCALED = {"s", "N", "m", "F", "Hz", "N/s", "N/m", "m/N", "Pa", "ohm"}
+_POWERS = str.maketrans("-0123456789.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹·")
 
 
 def observable_words(name: str) -> str:
-    """``release_time_90_s`` as ``release time 90 %``; other names without unit and underscores."""
+    """``release_time_90_s`` as ``90 % release time``; other names without unit and underscores."""
     for ending in _UNIT_ENDINGS:
         if name.endswith(ending):
             name = name.removesuffix(ending)
             break
-    text = name.replace("_", " ")
-    return text + " %" if text.startswith("release time") else text
+    if name.startswith("release_time_"):
+        return f"{name.removeprefix('release_time_')}\u00a0% release time"
+    return name.replace("_", " ")
+
+
+def unit_words(unit: str | None) -> str:
+    """``N m^-3.5`` as ``N m⁻³·⁵``, ``m2/V2`` as ``m²/V²``, ``ohm`` as ``Ω``, nothing for 1."""
+    if unit in (None, "", "1"):
+        return ""
+    if unit == "ohm":
+        return "Ω"
+    return re.sub(r"(?<=[A-Za-z])\^?(-?\d[\d.]*)", lambda power: power[1].translate(_POWERS), str(unit))
 
 
 def effect_words(names: Iterable[str]) -> str:
@@ -52,6 +65,11 @@ def effect_words(names: Iterable[str]) -> str:
     if names == ["unknown"]:
         return "an effect outside the library"
     return " and ".join(name.replace("_", " ") for name in names)
+
+
+def superscript(power: float) -> str:
+    """``-7`` as ``⁻⁷``."""
+    return f"{power:g}".translate(_POWERS)
 
 
 @dataclass(frozen=True)
@@ -69,14 +87,16 @@ def scale_for(values: ArrayLike, unit: str) -> Scale:
     """A prefix that brings typical values near 1 to 1000; units that take none stay."""
     sizes = np.abs(np.asarray(values, dtype=float))
     sizes = sizes[np.isfinite(sizes) & (sizes > 0)]
-    shown = "" if unit == "1" else unit
+    if unit == "kg" and len(sizes) and np.median(sizes) < 1:
+        return Scale(1e3, "g")
+    shown = unit_words(unit)
     if unit not in _SCALED or not len(sizes):
         return Scale(1.0, shown)
     typical = float(np.median(sizes))
     for size, prefix in _PREFIXES:
         if typical >= size:
-            return Scale(1 / size, f"{prefix}{unit}")
-    return Scale(1.0, unit)
+            return Scale(1 / size, f"{prefix}{shown}")
+    return Scale(1.0, shown)
 
 
 def number(value: float | None, digits: int = 3) -> str:
@@ -88,11 +108,33 @@ def number(value: float | None, digits: int = 3) -> str:
     exponent = math.floor(math.log10(abs(value)))
     if exponent >= 5 or exponent < -4:
         mantissa = f"{value / 10.0**exponent:.{digits - 1}f}".rstrip("0").rstrip(".")
-        return f"{mantissa}·10{str(exponent).translate(str.maketrans('-0123456789', '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'))}".replace(
-            "-", "−"
-        )
+        return f"{mantissa}·10{superscript(exponent)}".replace("-", "−")
     decimals = max(digits - 1 - exponent, 0)
     return f"{value:.{decimals}f}".replace("-", "−")
+
+
+def plain(value: float | None) -> str:
+    """A setting as one writes it: 300, 0.1, 10000; a dash where there is none."""
+    return number(value) if value is None or not math.isfinite(value) else f"{value:.6g}".replace("-", "−")
+
+
+def with_error(mean: float | None, sd: float | None, unit: str | None = "") -> str:
+    """``120 ± 15 µm/N``: both to the error's second digit; an error of zero was not found, and that is said."""
+    if mean is None or not math.isfinite(mean):
+        return "–"
+    scale = scale_for([mean], unit or "1")
+    value = float(scale(mean))
+    if not sd or not math.isfinite(sd):
+        return f"{number(value)} {scale.unit}".strip() + (" (no uncertainty found)" if sd == 0 else "")
+    error = float(scale(sd))
+    power = math.floor(math.log10(max(abs(value), error)))
+    power = power if power >= 5 or power < -3 else 0
+    value, error = value / 10.0**power, error / 10.0**power
+    decimals = max(1 - math.floor(math.log10(error)), 0)
+    text = f"{value:.{decimals}f} ± {error:.{decimals}f}".replace("-", "−")
+    if power:
+        text = f"({text})·10{superscript(power)}"
+    return f"{text} {scale.unit}".strip()
 
 
 def percent(share: float | None) -> str:
