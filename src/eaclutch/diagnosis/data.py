@@ -23,6 +23,8 @@ IntArray = np.ndarray
 SWING_BLOCKS = ("release", "ringdown", "ringdown_damping", "after")  # what a run shows after switch-off
 SLIPPING_SHARE = 0.4  # of the load cell's quarter period
 STRAY_SDS = 6.0
+SESSION_DOF = 4.0  # what the pooled repeat variance weighs against a session's own
+EARLY_SLIP = 0.15  # share of its largest force by which a run may slip too early
 
 
 @dataclass(frozen=True)
@@ -74,6 +76,7 @@ def build(
     ramp_rate: float,
     quarter_swing: float,
     explained: FloatArray | None = None,
+    carried: FloatArray | None = None,
 ) -> DataVector:
     """Collect the entries.
 
@@ -81,7 +84,8 @@ def build(
     usable run are left out. ramp_rate [N/s], quarter_swing [s]: the load train's nominal ones, which say how far
     a ramp gets and how fast a release from rest can be.
     explained (channels, runs): predictions whose variation between repeats (the force at switch-off differs
-    from run to run) is taken off before the scatter is measured, where that makes it smaller.
+    from run to run) is taken off before the scatter is measured, where that makes it smaller. carried: standard
+    uncertainty of these predictions (channels, runs) from the measured forces that they start from.
     """
     groups = _labels([f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)])
     bins = np.digitize(estimated_preload(table, conditions), PRELOAD_EDGES)
@@ -90,6 +94,8 @@ def build(
     kept: list[Any] = []
     for i, channel in enumerate(channels):
         scaled, sd = scaled_column(table, channel)
+        if carried is not None:
+            sd = np.hypot(sd, carried[i])
         scaled = np.where(_reaches(table, channel, ramp_rate), scaled, np.nan)
         if channel.block in SWING_BLOCKS:
             scaled = np.where(slipping, np.nan, scaled)
@@ -97,11 +103,13 @@ def build(
             scaled = np.where(_stray(scaled - explained[i], sd, groups), np.nan, scaled)
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
-        repeat = pooled_variance(scaled, conditions.friction_before, groups, bins)
+        repeat, spread = pooled_variance(scaled, conditions.friction_before, groups, bins), scaled
         if explained is not None:
             other = pooled_variance(scaled - explained[i], conditions.friction_before, groups, bins)
-            repeat = min(repeat, other, key=lambda found: found.variance)
+            if other.variance < repeat.variance:
+                repeat, spread = other, scaled - explained[i]
         variance = _run_variance(repeat, sd, np.isfinite(scaled), thresholds, channel.block)
+        variance = variance * _session_share(spread, repeat, conditions, groups, bins)
         entries += _entries(scaled, variance, groups, len(kept))
         kept.append(channel)
         repeats[channel.name] = repeat
@@ -143,11 +151,18 @@ def _stray(residual: FloatArray, sd: FloatArray, groups: IntArray) -> np.ndarray
 
 
 def _reaches(table: pd.DataFrame, channel: Channel, ramp_rate: float) -> np.ndarray:
-    """Runs whose ramp is still a ramp at the end of the channel's window: the capacity lies well above it."""
+    """Runs whose ramp is still a ramp at the end of the channel's window: even a first slip that comes early, static
+    friction scatters, lies above the force that the stage reaches by then."""
     if channel.window_end is None or "shear_capacity_n" not in table:
         return np.ones(len(table), dtype=bool)
     capacity = pd.to_numeric(table["shear_capacity_n"], errors="coerce").to_numpy(dtype=float)
-    return capacity > 1.2 * ramp_rate * channel.window_end
+    before = np.zeros(len(table))
+    if "friction_before_n" in table:
+        before = np.nan_to_num(
+            pd.to_numeric(table["friction_before_n"], errors="coerce").to_numpy(dtype=float)
+        )
+    earliest = capacity - EARLY_SLIP * (capacity + np.abs(before))
+    return earliest > 1.1 * ramp_rate * channel.window_end
 
 
 def scaled_column(table: pd.DataFrame, channel: Channel) -> tuple[FloatArray, FloatArray]:
@@ -174,6 +189,22 @@ def _run_variance(
     prior = typical + thresholds["repeat_sd"].get(block, 0.02) ** 2
     total = shrunk_variance(repeat, prior, thresholds["repeat_prior_dof"])
     return np.maximum(total - typical, 0.1 * total) + own
+
+
+def _session_share(
+    spread: FloatArray, pooled: RepeatVariance, conditions: RunConditions, groups: IntArray, bins: IntArray
+) -> FloatArray:
+    """Each run's session's variance over the pooled one, (runs,): what shakes a bench on one day, a line of mains or
+    a pump, leaves it alone on the next. Drawn to the pooled one where a session has few repeats."""
+    share = np.ones(len(conditions))
+    if pooled.dof == 0 or not pooled.variance > 0:
+        return share
+    sessions = np.array(conditions.session, dtype=object)
+    for name in dict.fromkeys(conditions.session):
+        rows = sessions == name
+        own = pooled_variance(np.where(rows, spread, np.nan), conditions.friction_before, groups, bins)
+        share[rows] = shrunk_variance(own, pooled.variance, SESSION_DOF) / pooled.variance
+    return share
 
 
 def _entries(scaled: FloatArray, variance: FloatArray, groups: IntArray, channel: int) -> list[tuple]:

@@ -80,6 +80,7 @@ def fit_hypothesis(
         _scout(forward, base) if base is not None else [] if seeds else _prior_starts(forward, data, kernels)
     )
     if seeds:
+        starts = starts[1:]  # what is known stands in for the base fit, and does at least as well
         known = np.array([seeds.get(p.name, p.default) for p in forward.parameters])
         starts.append(np.clip(forward.priors.to_normal(known), -5.0, 5.0))
     found = [_finish(forward, data, kernels, thresholds, find_mode(forward, data.values, covariance_at, start))

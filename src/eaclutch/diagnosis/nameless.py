@@ -66,8 +66,11 @@ def nameless_fit(
             factors[name] = float(grid[int(np.argmax(table[name]))])
         if factors == before:
             break
-    top = score(factors)
-    evidence = top + sum(float(logsumexp(table[name] - np.max(table[name]))) for name in names)
+    if any(factor != 1.0 for factor in factors.values()):
+        evidence = score(factors) + sum(float(logsumexp(table[name] - np.max(table[name]))) for name in names)
+    else:
+        # nothing asks for more freedom; what stands for this hypothesis is one block that takes it all the same
+        evidence = float(logsumexp([table[name][grid > 1.0] for name in names]))
     covariance = _covariance(factors, data, kernels, signature, share)
     return Nameless(evidence, factors, Linearised(base.w, base.jacobian, covariance))
 

@@ -80,37 +80,36 @@ class Readings:
         """Run-level predictions as the rig would read them, zeros included: (draws, channels, runs) on the
         comparison scale, not-a-number where the model's status says that there is none."""
         known = self.without(named)
-        draws = len(next(iter(known.values())))
-        zeros = np.zeros((draws, len(self.sessions)))
+        draws, runs = len(next(iter(known.values()))), len(conditions)
+        zeros = np.zeros((draws, len(self.sessions) + 1))
         for i, session in enumerate(self.sessions):
             zeros[:, i] = named.get(f"{PREFIX}{session}", 0.0)
-        peaks = np.array([np.broadcast_to(named.get(p.name, 0.0), draws) for p in PEAKS])[..., None]
-        out = np.empty((draws, len(channels), len(conditions)))
-        distinct, which = np.unique(zeros, axis=0, return_inverse=True)
-        for i, zero in enumerate(distinct):
-            rows = np.flatnonzero(which.ravel() == i)
-            part = {name: value[rows] for name, value in known.items()}
-            out[rows] = self._predict_at(model, conditions, part, channels, zero, peaks[:, rows])
-        return out
+        # a zero is taken off measured forces, which are settings of a run: one row of runs for all draws
+        held = zeros[:, self.index]
+        true = replace(
+            _tiled(conditions, draws),
+            friction_before=(conditions.friction_before - held).ravel(),
+            switch_off_force=(conditions.switch_off_force - held).ravel(),
+        )
+        flat = {name: np.repeat(value, runs)[None] for name, value in known.items()}
+        peaks = np.array([np.broadcast_to(named.get(p.name, 0.0), draws) for p in PEAKS])
+        found = self._predict(model, true, flat, channels, held.ravel(), np.repeat(peaks, runs, axis=1))
+        return found.reshape(len(channels), draws, runs).transpose(1, 0, 2)
 
-    def _predict_at(
+    def _predict(
         self,
         model: ClutchModel,
-        conditions: RunConditions,
+        true: RunConditions,
         named: Mapping[str, FloatArray],
         channels: Sequence[Channel],
-        zero: FloatArray,
+        held: FloatArray,
         peaks: FloatArray,
     ) -> FloatArray:
-        held = np.where(self.index >= 0, np.append(zero, 0.0)[self.index], 0.0)
-        true = replace(
-            conditions,
-            friction_before=conditions.friction_before - held,
-            switch_off_force=conditions.switch_off_force - held,
-        )
+        """(channels, simulations) of runs whose forces have lost their zeros ``held``."""
         names = [channel.name for channel in channels]
         wanted = names if "shear_capacity_n" in names else [*names, "shear_capacity_n"]
-        values = dict(model.predict(true, named, observables=wanted, on_invalid="status").values)
+        found = model.predict(true, named, observables=wanted, on_invalid="status").values
+        values = {name: value[0] for name, value in found.items()}
         share, noise = peaks
         typical = np.maximum(values["shear_capacity_n"] + true.friction_before, 1e-3)
         largest = typical * (1.0 + share) + noise
@@ -119,4 +118,12 @@ class Readings:
             # the drop from the largest peak to the noisy bottom of its slip, over a force that holds the zero
             drop = largest - typical * (1.0 - values["slip_fraction"]) + noise
             values["slip_fraction"] = drop / np.maximum(largest + held, 0.1 * largest)
-        return np.stack([channel.forward(values[channel.name]) for channel in channels], axis=1)
+        return np.stack([channel.forward(values[channel.name]) for channel in channels])
+
+
+def _tiled(conditions: RunConditions, draws: int) -> RunConditions:
+    """The runs over and over, once a draw; numbered as sessions of the campaign they come from."""
+    arrays = {name: np.tile(getattr(conditions, name), draws) for name in RunConditions.ARRAYS}
+    return replace(
+        conditions, **{name: getattr(conditions, name) * draws for name in RunConditions.NAMES}, **arrays
+    )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -37,6 +37,7 @@ from eaclutch.rig.table import conditions_from_runs
 
 # Local error of the film's position: 1 us in a release time, half the cost of the default.
 SOLVER_TOLERANCE = 1e-3
+LARGEST_CARRIED = 0.5  # sd on the comparison scale; a run that starts on an edge is not worth less than that
 WORTH_OPENING = 3.0  # nats over the base model
 SESSION_SPREADS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
 
@@ -83,14 +84,16 @@ class Study:
         quarter = 0.5 * np.pi * np.sqrt(cell.mass.mean / cell.stiffness.mean)
         channels = [c for c in CHANNELS if c.resolvable and c.name in self.table and c.name in OBSERVABLES]
 
-        def data(explained: FloatArray | None = None) -> DataVector:
-            return build(self.table, self.conditions, entries, channels, thresholds, rate, quarter, explained)
+        def data(explained: FloatArray | None = None, carried: FloatArray | None = None) -> DataVector:
+            return build(
+                self.table, self.conditions, entries, channels, thresholds, rate, quarter, explained, carried
+            )
 
         first = data()
         self._first_fit: dict[str, float] = {}
         if first.run_entries:
             channels = list(first.channels)
-            first = data(self._explained(first))
+            first = data(*self._explained(first))
         self.data = first
         if self.data.run_entries == 0:
             raise InputError("runs.csv", "no observable can be compared", "look at its flags and reasons")
@@ -108,12 +111,24 @@ class Study:
             self.inputs.bench, names, tolerance=SOLVER_TOLERANCE, **(self.inputs.model_options or {})
         )
 
-    def _explained(self, first: DataVector) -> FloatArray:
-        """Run-level predictions of the base model after a first fit, (channels, runs)."""
+    def _explained(self, first: DataVector) -> tuple[FloatArray, FloatArray]:
+        """Run-level predictions of the base model after a first fit, (channels, runs), and the standard uncertainty
+        that they have from the measured forces they start from."""
         forward = Forward(self.model(), first, (), self.priors)
         fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
         self._first_fit = fitted.parameters
-        return forward.runs({name: np.array([value]) for name, value in fitted.parameters.items()})[0]
+        named = {name: np.array([value]) for name, value in fitted.parameters.items()}
+        plain = forward.runs(named)[0]
+        carried = np.zeros_like(plain)
+        for name in ("friction_before", "switch_off_force"):
+            column = f"{name}_n_sd"
+            if column not in self.table:
+                continue
+            sd = np.nan_to_num(pd.to_numeric(self.table[column], errors="coerce").to_numpy(dtype=float))
+            conditions = replace(first.conditions, **{name: getattr(first.conditions, name) + sd})
+            moved = Forward(self.model(), replace(first, conditions=conditions), (), self.priors)
+            carried = np.hypot(carried, moved.runs(named)[0] - plain)
+        return plain, np.minimum(carried, LARGEST_CARRIED)
 
     def generator(self, *stream: int) -> np.random.Generator:
         """A generator of its own for each purpose: the same whatever else ran before."""

@@ -17,6 +17,7 @@ from eaclutch.diagnosis.result import CandidateResult
 
 NONE: tuple[str, ...] = ()
 UNKNOWN: tuple[str, ...] = ("unknown",)
+LIBRARY = 16  # candidates that the library names
 
 
 def probabilities(
@@ -32,10 +33,12 @@ def probabilities(
     prior = thresholds["prior"]
     singles = [r for r in results if len(r.effects) == 1]
     named = 1.0 - prior["none"] - prior["unknown"]
-    possible_pairs = max(1, len(singles) * (len(singles) - 1) // 2)
+    # an effect is as likely beforehand whether few others are weighed or many
+    count = max(LIBRARY, len(singles))
+    possible_pairs = count * (count - 1) // 2
     share = {
         0: prior["none"],
-        1: named * (1.0 - prior["pair_share"]) / max(1, len(singles)),
+        1: named * (1.0 - prior["pair_share"]) / count,
         2: named * prior["pair_share"] / possible_pairs,
     }
     keys = [r.effects for r in results] + [UNKNOWN]

@@ -40,10 +40,10 @@ CASES = {
     "stray_capacitance": ({"capacitance": 5e-12}, {"stray_capacitance": 5e-12}),
     "trigger_latency": ({"delay": 2e-4}, {"drive_delay": 2e-4}),
     "slow_drive": (
-        {"resistance": 1e6},
+        {"resistance": 1e6, "voltage_exponent": 0.5},
         {
-            "rise_time_constant": [35e-6, 35e-6, 70e-6, 35e-6],
-            "fall_time_constant": [35e-6, 35e-6, 70e-6, 35e-6],
+            "rise_time_constant": [35e-6, 35e-6, 49.4974747e-6, 2.02072594e-6],
+            "fall_time_constant": [35e-6, 35e-6, 49.4974747e-6, 2.02072594e-6],
         },
     ),
     # sqrt(2^2 + 3^2) / sqrt(12) um and, 4 mm wide, sqrt(4^2 + 3^2) / sqrt(12) um
@@ -52,12 +52,12 @@ CASES = {
         {"gap_spread_sd": [1.04083300e-6, 1.04083300e-6, 1.44337567e-6, 1.04083300e-6]},
     ),
     "surface_adhesion": ({"pressure": 1e5}, {"adhesion_force": [11.1, 11.1, 22.2, 11.1]}),
-    # a ramp of 4 N / (9.009 N/s) = 0.44400 s; rests of half of it plus 0.5 ms, 0 and 50 ms
+    # a ramp of 1 N / (9.009 N/s) = 0.11100 s; rests of half of it plus 0.5 ms, 0 and 50 ms
     "contact_aging": (
         {"rate": 0.05, "onset_time": 0.1},
         {
-            "static_factor_ramp": 1.08468895,
-            "static_factor_release": [1.05854669, 1.05846911, 1.06568620, 1.05846911],
+            "static_factor_ramp": 1.03733442,
+            "static_factor_release": [1.02223431, 1.02207380, 1.03601381, 1.02207380],
         },
     ),
     "velocity_weakening": (
@@ -114,6 +114,14 @@ def test_slow_drive_adds_to_the_drive_that_is_there(fill):
     )
     np.testing.assert_allclose(filled.rise_time_constant, [7.5e-6, 7.5e-6, 11e-6, 7.5e-6])
     np.testing.assert_allclose(filled.fall_time_constant, [5.5e-6, 5.5e-6, 9e-6, 5.5e-6])
+
+
+def test_contact_ages_with_the_load_that_the_stage_takes_up(fill, inputs):
+    # 2 N take 0.22200 s; a force that is not known counts as 1 N, none at all as 0.02 N
+    forces = np.array([2.0, np.nan, -0.1, 1.0])
+    object.__setattr__(inputs.conditions, "switch_off_force", forces)
+    filled = fill("contact_aging", rate=0.05, onset_time=0.1)
+    np.testing.assert_allclose(filled.static_factor_ramp, [1.05846910, 1.03733442, 1.00109786, 1.03733442], rtol=1e-7)
 
 
 def test_gap_tilt_adds_in_quadrature(fill):

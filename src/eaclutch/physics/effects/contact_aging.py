@@ -1,6 +1,6 @@
 """Contact aging: mu_s(t) = mu_s (1 + b ln(1 + t / t_0)) with t the time at rest. In the driven ramp the strip
-rests about as long as the stage takes to load it (TYPICAL_LOAD / (k_lc v)); when the voltage falls it has rested
-for the dwell of the stage and, on average, half a ramp."""
+rests as long as the stage takes to load it (F / (k_lc v), with the force F at switch-off as the run's load); when the
+voltage falls it has rested for the dwell of the stage and, on average, half a ramp."""
 
 from __future__ import annotations
 
@@ -12,13 +12,16 @@ from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
-TYPICAL_LOAD = 4.0  # N; the loads reached on this bench are 1 to 10 N, the logarithm hardly sees which
+TYPICAL_LOAD = 1.0  # N, of a run whose force at switch-off is not known
+SMALLEST_LOAD = 0.02  # N
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """Static factors 1 + b ln(1 + t / t_0) for the ramp's rest and the rest at switch-off."""
-    ramp = TYPICAL_LOAD / (inputs.parameters["stiffness"] * inputs.bench.stage_speed)
     conditions = inputs.conditions
+    force = conditions.switch_off_force
+    load = np.where(np.isfinite(force), np.maximum(force, SMALLEST_LOAD), TYPICAL_LOAD)
+    ramp = load / (inputs.parameters["stiffness"] * inputs.bench.stage_speed)
     ramp = np.minimum(ramp, conditions.drive_duration)
     rest = conditions.dwell + 0.5 * ramp
     rate, onset = values["rate"], np.asarray(values["onset_time"])

@@ -1,5 +1,6 @@
-"""Slow drive: a resistance R in series with the pad makes its voltage lag by R C with C the closed pad's
-capacitance (so by more the wider the strip); two poles in a row are taken as one with the sum of the times."""
+"""Slow drive: the pad's voltage lags by R C (V / 300 V)^p with C the closed pad's capacitance, so by more the wider
+the strip. p is 0 for a resistance in series with the pad, and 1 for a supply that is limited in current, whose slew
+takes C V / I; supplies lie in between. Two poles in a row are taken as one with the sum of the times."""
 
 from __future__ import annotations
 
@@ -11,10 +12,13 @@ from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
+REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
+
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """Both time constants grow by R C."""
-    lag = values["resistance"] * inputs.capacitance
+    """Both time constants grow by R C (V / V_0)^p."""
+    voltage = np.maximum(inputs.conditions.voltage, 1.0) / REFERENCE_VOLTAGE
+    lag = values["resistance"] * inputs.capacitance * voltage ** np.asarray(values["voltage_exponent"])
     return sockets.with_(
         rise_time_constant=sockets.rise_time_constant + lag,
         fall_time_constant=sockets.fall_time_constant + lag,
@@ -35,7 +39,15 @@ EFFECT = Effect(
             0.0,
             Prior("halfnormal", 3e6),
             neutral=0.0,
-            description="series resistance between the drive and the pad",
+            description="series resistance between the drive and the pad, at 300 V",
+        ),
+        Parameter(
+            "voltage_exponent",
+            "1",
+            (0.0, 1.0),
+            0.0,
+            Prior("uniform", 0.0, 1.0),
+            description="0: a resistance, 1: a current limit",
         ),
     ),
     reference=(
@@ -46,5 +58,6 @@ EFFECT = Effect(
     apply=apply,
     draw=lambda rng: {
         "resistance": float(np.exp(rng.uniform(np.log(1e6), np.log(1.5e7)))),
+        "voltage_exponent": float(rng.uniform(0.0, 1.0)),
     },
 )

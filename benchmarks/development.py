@@ -1,0 +1,158 @@
+"""The development set, and the numbers of thresholds.yaml that are fitted on it.
+
+    python benchmarks/development.py --seed 9001 --work development --jobs 2
+
+makes simulated campaigns (the open namespace of ``eaclutch.blind``: no sealed case is ever among them), weighs every
+hypothesis on each, and fits temperature, prior odds and the cost of a remainder by the mean log score. Prints what the
+fitted numbers and the present ones make of the set. Each case is kept as soon as it is done.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from multiprocessing import Pool
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+os.environ.setdefault("NUMBA_NUM_THREADS", "1")
+
+import numpy as np
+from measurement import record
+from scipy.optimize import minimize
+from scipy.special import expit, logit, softmax
+
+from eaclutch.blind import plan
+from eaclutch.blind.generate import generate_case, write_tables
+from eaclutch.cli.blind_methods import read_case
+from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.verdict import decide
+from eaclutch.diagnosis.weigh import probabilities
+from eaclutch.files import read_json, write_json
+
+SIZES = (0.6, 3.0)  # of the magnitudes in the literature
+COUNTS = {"none": 24, "unknown": 26, "each_single": 4, "pairs": 8}
+WEIGHTS = {"none": 2.0, "unknown": 1.0, "single": 1.0, "pair": 0.5}  # of a kind of case in the fit
+PAIRS = 6
+FLOOR = 0.01  # a probability below it costs no more: one lost case must not rule the fit
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A hypothesis on one campaign: what ``probabilities`` and ``decide`` look at."""
+
+    effects: tuple[str, ...]
+    log_evidence: float
+    log_evidence_open: float
+    adequate_p: float
+
+
+def weigh_case(job: tuple[plan.Entry, str]) -> None:
+    """Make one case and weigh every hypothesis on it."""
+    entry, work = job
+    target = Path(work) / "weighed" / f"{entry.case}.json"
+    if target.is_file():
+        return
+    tables, answer = generate_case(entry)
+    folder = Path(work) / "cases" / entry.case
+    write_tables(tables, folder)
+    study = Study(read_case(folder, "library", {}), load_thresholds())
+    found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
+    found += weigh_pairs(study, found, PAIRS)
+    rows = [[list(r.effects), r.log_evidence, r.log_evidence_open, r.adequate_p] for r in found]
+    write_json(target, {"answer": answer, "weighed": rows})
+
+
+def adjusted(thresholds: Mapping[str, Any], x: np.ndarray) -> dict[str, Any]:
+    """Thresholds with the fitted numbers (5,) in."""
+    none, unknown, _ = softmax([x[1], x[2], 0.0])
+    prior = {"none": float(none), "unknown": float(unknown), "pair_share": float(expit(x[3]))}
+    return dict(thresholds) | {
+        "temperature": float(np.exp(x[0])),
+        "prior": prior,
+        "remainder_cost": float(np.exp(x[4])),
+    }
+
+
+def start(thresholds: Mapping[str, Any]) -> np.ndarray:
+    """Inverse of ``adjusted``."""
+    prior = thresholds["prior"]
+    named = 1.0 - prior["none"] - prior["unknown"]
+    odds = [np.log(prior[name] / named) for name in ("none", "unknown")]
+    return np.array([np.log(thresholds["temperature"]), *odds, logit(prior["pair_share"]),
+                     np.log(thresholds["remainder_cost"])])  # fmt: skip
+
+
+def loss(
+    x: np.ndarray, thresholds: Mapping[str, Any], cases: Sequence[tuple[Mapping[str, Any], Any]]
+) -> float:
+    """Mean weighted log score, the lower the better."""
+    total = 0.0
+    for answer, rows in cases:
+        weights = {frozenset(k): v for k, v in probabilities(rows, adjusted(thresholds, x)).items()}
+        total -= WEIGHTS[answer["kind"]] * np.log(max(weights.get(frozenset(answer["verdict"]), 0.0), FLOOR))
+    return total / len(cases)
+
+
+def outcome(thresholds: Mapping[str, Any], cases: Sequence[tuple[Mapping[str, Any], Any]]) -> dict[str, Any]:
+    """Shares by kind of case: right verdict, named, probability on the truth, truth in the set, its size."""
+    rows: dict[str, list[list[float]]] = defaultdict(list)
+    for answer, found in cases:
+        weights = probabilities(found, thresholds)
+        verdict = decide(weights, found, thresholds)
+        truth = frozenset(answer["verdict"])
+        offered = [frozenset(verdict.effects), *map(frozenset, verdict.alternatives)]
+        p = {frozenset(k): v for k, v in weights.items()}.get(truth, 0.0)
+        named = verdict.effects not in ((), ("unknown",))
+        rows[answer["kind"]].append([offered[0] == truth, named, p, truth in offered, len(offered)])
+    heads = ("right", "named", "probability", "in_set", "members")
+    return {
+        kind: {"cases": len(found)}
+        | dict(zip(heads, np.round(np.mean(found, axis=0), 3).tolist(), strict=True))
+        for kind, found in rows.items()
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seed", type=int, required=True)
+    parser.add_argument("--work", type=Path, required=True)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--record", action="store_true")
+    chosen = parser.parse_args()
+    plan.SIZE_RANGE = SIZES
+    entries = plan.make_plan("dev", chosen.seed, **COUNTS)
+    with Pool(chosen.jobs) as pool:
+        for done, _ in enumerate(
+            pool.imap_unordered(weigh_case, [(e, str(chosen.work)) for e in entries]), 1
+        ):
+            print(f"{done} of {len(entries)}", flush=True)
+    cases = []
+    for entry in entries:
+        document = read_json(chosen.work / "weighed" / f"{entry.case}.json")
+        cases.append(
+            (document["answer"], [Weighed(tuple(e), *numbers) for e, *numbers in document["weighed"]])
+        )
+    present = load_thresholds()
+    found = minimize(
+        loss, start(present), args=(present, cases), method="Nelder-Mead", options={"maxfev": 600}
+    )
+    fitted = adjusted(present, found.x)
+    result = {"counts": COUNTS, "sizes": SIZES, "present": outcome(present, cases), "fitted": outcome(fitted, cases),
+              "fitted_numbers": {key: fitted[key] for key in ("temperature", "prior", "remainder_cost")}}  # fmt: skip
+    for key, value in result.items():
+        print(key, value)
+    if chosen.record:
+        record(
+            "development", f"python benchmarks/development.py --seed {chosen.seed} --work development", result
+        )
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,124 @@
+"""Does the diagnosis hold on real recordings? Known effects withheld, sessions left out, levels left out.
+
+    python benchmarks/published_diagnosis.py --campaign ../shared/published --results results/published --record
+
+prints a table and records docs/measurements/published_checks.json. ``--results`` is the folder that the published
+config's run has filled. Each check is kept in ``--work`` as soon as it is done, so that an interrupted call goes on.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+from measurement import record
+
+from eaclutch.config import load_bench
+from eaclutch.diagnosis.conclude import conclude
+from eaclutch.diagnosis.files import read_inputs
+from eaclutch.diagnosis.gaussian import Linearised, leave_out
+from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.files import read_json, write_json
+
+WITHHELD = ("dielectric_relaxation", "load_cell_dynamics", "air_gap", "surface_roughness")
+PAIRS = 6
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--campaign", type=Path, required=True)
+    parser.add_argument("--results", type=Path, required=True)
+    parser.add_argument("--work", type=Path, default=Path("published-checks"))
+    parser.add_argument("--record", action="store_true")
+    chosen = parser.parse_args()
+    inputs = read_inputs(chosen.results, load_bench(chosen.campaign), {})
+    checks: dict[str, DiagnosisInputs] = {"full": inputs}
+    for session in sorted(set(inputs.table["session"].astype(str))):
+        kept = inputs.table[inputs.table["session"].astype(str) != session]
+        checks[f"without session {session}"] = replace(inputs, table=kept.reset_index(drop=True))
+    for name in WITHHELD:
+        kept_effects = tuple(effect for effect in inputs.effects if effect != name)
+        checks[f"withheld {name}"] = replace(inputs, effects=kept_effects)
+    found = {}
+    for name, case in checks.items():
+        path = chosen.work / f"{name.replace(' ', '_')}.json"
+        if not path.is_file():
+            write_json(path, check(case, name == "full"))
+        found[name] = read_json(path)
+        print(
+            name,
+            found[name]["verdict"]["effects"],
+            f"{found[name]['verdict']['probability']:.2f}",
+            flush=True,
+        )
+    if chosen.record:
+        command = "python benchmarks/published_diagnosis.py --campaign <published> --results results/published --record"
+        record("published_checks", command, {"checks": found})
+
+
+def check(inputs: DiagnosisInputs, levels: bool) -> dict[str, Any]:
+    """Verdict, closure and the leading hypotheses of one variant; ``levels``: predictions of left-out levels too."""
+    study = Study(inputs, load_thresholds())
+    found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
+    found += weigh_pairs(study, found, PAIRS)
+    document = conclude(study, found)
+    named = tuple(document["verdict"]["effects"])
+    out = {
+        "verdict": document["verdict"],
+        "closure": document["closure"],
+        "hypotheses": document["hypotheses"][:5],
+        "parameters": {e["effect"]: e["parameters"] for e in document["causes"] if e["effect"] in named},
+        "absorbed": document["absorbed"],
+    }
+    return out | ({"left_out_levels": left_out_levels(study, named)} if levels else {})
+
+
+def left_out_levels(study: Study, named: Sequence[str]) -> dict[str, Any]:
+    """Each width, thickness and preload bin predicted from the others: mean square error over the repeats' variance,
+    by the base model, the verdict's, and the base model with the nameless smooth term carried over."""
+    base = study.base.linearised
+    verdict = study.fit(tuple(named)).linearised if named and named != ("unknown",) else base
+    data, runs = study.data, study.data.run_entries
+    first = [int(np.flatnonzero(data.groups == group)[0]) for group in data.entry_group]
+    bins = np.digitize(study.preload[first], (0.25, 0.75, 1.5))
+    settings = {
+        "width_mm": np.round(1e3 * data.conditions.width[first], 3),
+        "thickness_mm": np.round(1e3 * data.conditions.thickness[first], 3),
+        "preload_bin": bins,
+    }
+    out: dict[str, Any] = {}
+    for factor, values in settings.items():
+        groups = [np.flatnonzero(values == level) for level in np.unique(values)]
+        if len(groups) < 2:
+            continue
+        rows = {
+            "base": _errors(study, base, groups, smooth=False),
+            "verdict": _errors(study, verdict, groups, smooth=False),
+            "nameless": _errors(study, study.nameless.linearised, groups, smooth=True),
+        }
+        out[factor] = {
+            str(level): {name: float(np.mean(error[:runs][group])) for name, error in rows.items()}
+            | {"entries": len(group)}
+            for level, group in zip(np.unique(values).tolist(), groups, strict=True)
+        }
+    return out
+
+
+def _errors(study: Study, fit: Linearised, groups: Sequence[np.ndarray], smooth: bool) -> np.ndarray:
+    """Squared error of each entry over its repeats' variance, its level left out, (run entries,)."""
+    left = leave_out(fit, groups)
+    error = (left.conditional if smooth else left.prediction_error) @ fit.w
+    return error[: study.data.run_entries] ** 2 / study.data.noise_sd[: study.data.run_entries] ** 2
+
+
+if __name__ == "__main__":
+    main()
