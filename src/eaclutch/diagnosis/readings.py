@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -123,7 +124,6 @@ class Readings:
 
 def _tiled(conditions: RunConditions, draws: int) -> RunConditions:
     """The runs over and over, once a draw; numbered as sessions of the campaign they come from."""
-    arrays = {name: np.tile(getattr(conditions, name), draws) for name in RunConditions.ARRAYS}
-    return replace(
-        conditions, **{name: getattr(conditions, name) * draws for name in RunConditions.NAMES}, **arrays
-    )
+    again: dict[str, Any] = {name: getattr(conditions, name) * draws for name in RunConditions.NAMES}
+    again |= {name: np.tile(getattr(conditions, name), draws) for name in RunConditions.ARRAYS}
+    return replace(conditions, **again)
