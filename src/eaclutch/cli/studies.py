@@ -48,7 +48,8 @@ def sweep(campaign: Path, results: Path, settings: str, table: Path, page: Path)
     from eaclutch.config import load_bench
     from eaclutch.inference.draws import load_draws
     from eaclutch.reporting.map_page import map_page
-    from eaclutch.studies.maps import draw_maps, limits_of, maps_table
+    from eaclutch.studies.map_trends import map_trends
+    from eaclutch.studies.maps import design_levels, draw_maps, limits_of, maps_table
 
     config = json.loads(settings)
     bench = load_bench(campaign)
@@ -58,7 +59,10 @@ def sweep(campaign: Path, results: Path, settings: str, table: Path, page: Path)
     write_csv(table, maps_table(maps, config["sweep"]))
     asked = config["sweep"]
     drawn = [(entry.pad, entry.map) for entry in maps]
-    write_text(page, map_page(drawn, limits_of(asked), asked["limits"], asked["design"], bench.name))
+    trends = map_trends(
+        [entry.map for entry in maps if entry.pad == "interdigitated"], design_levels(bench, asked["design"])
+    )
+    write_text(page, map_page(drawn, limits_of(asked), asked["limits"], asked["design"], bench.name, trends))
 
 
 @click.command("paper")
@@ -69,33 +73,44 @@ def sweep(campaign: Path, results: Path, settings: str, table: Path, page: Path)
 @_page
 def paper(campaign: Path, results: Path, settings: str, table: Path, page: Path) -> None:
     """The paper's numbers, ours beside them."""
+    import numpy as np
     import pandas as pd
 
     from eaclutch.config import load_bench
     from eaclutch.files import read_json
-    from eaclutch.reporting.paper_page import paper_page
+    from eaclutch.reporting.paper_page import PaperFigures, paper_page
     from eaclutch.rig.table import conditions_from_runs
+    from eaclutch.studies import paper as study
     from eaclutch.studies.claims import LITERATURE_TIMES, claims_table, side_claims
     from eaclutch.studies.maps import model_of
-    from eaclutch.studies.paper import medians, model_claims, multiplier_table, run_claims
     from eaclutch.studies.sweep import Design
-    from eaclutch.studies.trends import force_exponents, release_by_frequency
+    from eaclutch.studies.trends import bandwidth, force_exponents, release_by_frequency
 
     bench, config = load_bench(campaign), json.loads(settings)
     runs = pd.read_csv(results / "runs.csv")
     published = pd.read_csv(results / "runs_published.csv")
     model = model_of(bench, config["model"])
-    parameters = medians(read_json(results / "posterior" / "summary.json"), model)
+    parameters = study.medians(read_json(results / "posterior" / "summary.json"), model)
     usable = runs[runs["usable"] & runs["release_time_90_s"].notna()]
+    design = Design(sorted(bench.substrates)[0])
+    curves = study.DesignCurves(model, parameters, design)
     groups = {
-        "From the recordings": run_claims(runs, published),
-        "From the calibrated model": model_claims(model, parameters, Design(sorted(bench.substrates)[0])),
+        "From the recordings": study.run_claims(runs, published),
+        "From the calibrated model": study.model_claims(curves),
+        "With the paper's parameters": study.preset_claims(bench, design.start_ratio),
         "Side computations": side_claims(),
     }
     write_csv(table, claims_table(groups))
-    multiplier = multiplier_table(model, conditions_from_runs(usable, bench), parameters)
-    figures = (force_exponents(runs), release_by_frequency(runs), multiplier)
-    write_text(page, paper_page(groups, *figures, LITERATURE_TIMES, bench.name))
+    figures = PaperFigures(
+        force_exponents=force_exponents(study.largest_forces(runs, published)),
+        capacity_exponents=force_exponents(runs),
+        release=release_by_frequency(runs),
+        multiplier=study.multiplier_table(model, conditions_from_runs(usable, bench), parameters),
+        bandwidth=study.force_over_frequency(curves),
+        corner=bandwidth(curves.largest_force),
+        step=study.step_response(np.geomspace(1e-7, 1e-2, 101)),
+    )
+    write_text(page, paper_page(groups, figures, LITERATURE_TIMES, bench.name))
 
 
 COMMANDS: list[click.Command] = [fea, sweep, paper]

@@ -43,7 +43,10 @@ def insulator_picture(insulator: pd.DataFrame) -> Picture:
         axes.axhline(50, color=GREY, ls="--", lw=1)
         axes.text(1.1, 47, "half the applied voltage", color=GREY, fontsize=9)
         axes.set(
-            xscale="log", xlabel="substrate permittivity", ylabel="gap voltage (% of applied)", ylim=(0, 53)
+            xscale="log",
+            xlabel="substrate permittivity (1)",
+            ylabel="gap voltage (% of applied)",
+            ylim=(0, 53),
         )
         usual = insulator[insulator["substrate_permittivity"].between(3, 4)]
         text = (

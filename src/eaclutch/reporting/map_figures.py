@@ -8,6 +8,7 @@ import numpy as np
 
 from eaclutch.records import FloatArray
 from eaclutch.reporting.drawing import Picture, canvas, picture
+from eaclutch.reporting.words import short
 
 SHOWN = {
     "engagement_time_s": ("engagement (µs)", 1e6),
@@ -22,8 +23,19 @@ AXIS = {
     "film_thickness_um": "film thickness (µm)",
     "overlap_length_mm": "overlap length (mm)",
     "drive_time_us": "rise and fall time (µs)",
-    "electrodes": "electrodes",
+    "electrodes": "electrodes (1)",
 }
+
+
+def axis_words(name: str) -> str:
+    """An axis without its unit."""
+    return AXIS[name].partition(" (")[0]
+
+
+def level_words(name: str, level: float) -> str:
+    """``film thickness 24 µm``."""
+    unit = AXIS[name].partition(" (")[2].rstrip(")")
+    return f"{axis_words(name)} {short(level, 3)} {unit}".strip()
 
 
 def map_picture(
@@ -40,7 +52,7 @@ def map_picture(
             panel.grid(False)
             panel.set_facecolor("#e4e7ec")
             if np.isfinite(median).any():
-                shown = panel.pcolormesh(x, y, median, cmap="cividis", shading="nearest")
+                shown = panel.pcolormesh(x, y, median, cmap="cividis", shading="nearest", rasterized=True)
                 figure.colorbar(shown, ax=panel)
                 lines = panel.contour(x, y, median, levels=6, colors="white", linewidths=0.7)
                 panel.clabel(lines, fontsize=7, fmt="%.3g")
@@ -51,10 +63,10 @@ def map_picture(
                 panel.text(0.5, 0.5, "no value here", transform=panel.transAxes, ha="center")
             panel.set(title=label, xlabel=AXIS[axes_of[0]], ylabel=AXIS[axes_of[1]])
         text = (
-            f"Medians over {AXIS[axes_of[0]]} and {AXIS[axes_of[1]]}; grey: no value in most draws. "
+            f"Medians over {axis_words(axes_of[0])} and {axis_words(axes_of[1])}; grey: no value in most draws. "
             f"Typical half-width of the 90 % band: {', '.join(bands)}."
         )
-        return picture(figure, name, f"Maps over {axes_of[0]} and {axes_of[1]}", text)
+        return picture(figure, name, f"Maps over {axis_words(axes_of[0])} and {axis_words(axes_of[1])}", text)
 
 
 def probability_picture(
@@ -63,14 +75,19 @@ def probability_picture(
     """Probability over the map that a design meets the stated limits."""
     with canvas(height=3.4) as (figure, panel):
         panel.grid(False)
-        shown = panel.pcolormesh(x, y, probability, cmap="cividis", shading="nearest", vmin=0, vmax=1)
-        figure.colorbar(shown, ax=panel, label="probability")
+        shown = panel.pcolormesh(
+            x, y, probability, cmap="cividis", shading="nearest", vmin=0, vmax=1, rasterized=True
+        )
+        figure.colorbar(shown, ax=panel, label="probability (1)")
         panel.set(xlabel=AXIS[axes_of[0]], ylabel=AXIS[axes_of[1]])
         best = np.unravel_index(np.argmax(probability), probability.shape)
         text = (
-            f"Probability that {limits}. Largest: {probability[best]:.2f} at {AXIS[axes_of[0]]} {x[best[1]]:.3g}, "
-            f"{AXIS[axes_of[1]]} {y[best[0]]:.3g}."
+            f"Probability that {limits}. Largest: {probability[best]:.2f} at "
+            f"{level_words(axes_of[0], x[best[1]])}, {level_words(axes_of[1], y[best[0]])}."
         )
         return picture(
-            figure, name, f"Probability of meeting the limits over {axes_of[0]} and {axes_of[1]}", text
+            figure,
+            name,
+            f"Probability of meeting the limits over {axis_words(axes_of[0])} and {axis_words(axes_of[1])}",
+            text,
         )

@@ -6,8 +6,8 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from eaclutch.records import FloatArray
-from eaclutch.reporting.map_figures import AXIS, map_picture, probability_picture
-from eaclutch.reporting.study_page import Section, render_study
+from eaclutch.reporting.map_figures import AXIS, axis_words, level_words, map_picture, probability_picture
+from eaclutch.reporting.study_page import Section, Table, render_study
 
 
 class Drawn(Protocol):
@@ -31,14 +31,28 @@ class Drawn(Protocol):
         """(y, x)."""
 
 
+class Stated(Protocol):
+    """A printed statement on the maps and what these say."""
+
+    @property
+    def printed(self) -> str: ...
+    @property
+    def ours(self) -> str: ...
+    @property
+    def holds(self) -> bool: ...
+    @property
+    def why(self) -> str: ...
+
+
 def map_page(
     maps: Sequence[tuple[str, Drawn]],
     limits: Mapping[str, tuple[float, float]],
     stated: Mapping[str, Any],
     design: Mapping[str, Any],
     campaign: str,
+    trends: Sequence[Stated] = (),
 ) -> str:
-    """HTML: every (pad, map) with its probability of meeting the limits."""
+    """HTML: the printed trends beside these, then every (pad, map) with its probability of meeting the limits."""
     wanted = (
         f"release < {stated['release_ms']:g} ms, engagement < {stated['engagement_us']:g} µs and "
         f"capacity > {stated['capacity_n']:g} N"
@@ -50,8 +64,26 @@ def map_page(
         pictures = [map_picture(f"map{i}", names, drawn.x, drawn.y, quantiles)]
         met = drawn.probability(limits)
         pictures.append(probability_picture(f"met{i}", names, drawn.x, drawn.y, met, wanted))
-        title = f"{pad.replace('_', ' ')}: {AXIS[names[0]]} and {AXIS[names[1]]}"
-        sections.append(Section(title, [], pictures))
-    fixed = ", ".join(f"{AXIS.get(name, name.replace('_', ' '))} {value:g}" for name, value in design.items())
-    lead = f"Campaign {campaign}. What is not varied stays at: {fixed}."
+        kind = pad.replace("_", " ").capitalize()
+        sections.append(
+            Section(f"{kind} pad: {axis_words(names[0])} and {axis_words(names[1])}", [], pictures)
+        )
+    if trends:
+        sections.insert(0, Section("The paper's trends", [], [], [_trend_table(trends)]))
+    fixed = ", ".join(
+        level_words(name, value) if name in AXIS else f"{name.replace('_', ' ')} {value:g}"
+        for name, value in design.items()
+    )
+    lead = (
+        f"Campaign {campaign}. What is not varied stays at: {fixed}. Release maps are speckled where one more half "
+        "swing of the load cell just happens or just does not."
+    )
     return render_study("Design maps", lead, sections)
+
+
+def _trend_table(trends: Sequence[Stated]) -> Table:
+    rows = []
+    for trend in trends:
+        judged = ("holds", "") if trend.holds else ("does not hold", f" {trend.why}")
+        rows.append([trend.printed, judged[0], trend.ours + judged[1]])
+    return Table(["the paper says", "here", "interdigitated pad of this campaign"], rows)

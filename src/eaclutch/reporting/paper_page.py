@@ -2,14 +2,69 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 import pandas as pd
 
-from eaclutch.reporting.drawing import BLUE, GREEN, GREY, VERMILION, Picture, canvas, picture
+from eaclutch.reporting.paper_figures import (
+    bandwidth_picture,
+    exponent_picture,
+    literature_picture,
+    multiplier_picture,
+    release_picture,
+    step_picture,
+)
 from eaclutch.reporting.study_page import Section, Table, render_study, table_of
+from eaclutch.reporting.words import unit_words
+
+LEADS = {
+    "From the calibrated model": (
+        "At the medians of this campaign's posteriors, by our solver: another calibration than the paper's, so these "
+        "numbers need not agree. The same numbers with the paper's parameters stand under the next heading.",
+    ),
+    "With the paper's parameters": (
+        "Slopes by the choices of the paper's released scripts: the tip starts at one minus the start ratio, the run "
+        "ends at the first zero of the velocity, the contact lies on the electrodes' area (docs/solver.md).",
+    ),
+}
+EXPONENTS = {
+    "frequency_hz": "drive frequency (Hz)",
+    "exponent": "exponent of the largest force (1)",
+    "exponent_sd": "standard error (1)",
+    "voltages": "voltages",
+}
+RELEASE = {
+    "frequency_hz": "drive frequency (Hz)",
+    "release_time_10_s": "10 % release time (ms)",
+    "release_time_10_s_sem": "standard error (ms)",
+    "release_time_10_s_runs": "runs",
+    "release_time_90_s": "90 % release time (ms)",
+    "release_time_90_s_sem": "standard error (ms)",
+    "release_time_90_s_runs": "runs",
+}
+MULTIPLIER = {
+    "voltage_v": "voltage (V)",
+    "release_ms_with_multiplier": "release, calibrated multiplier (ms)",
+    "release_ms_without_multiplier": "release, multiplier 1 (ms)",
+    "change_percent": "change (%)",
+}
+
+
+@dataclass(frozen=True)
+class PaperFigures:
+    """What the pictures show: tables as the studies make them; ``corner`` [Hz]: where the force has halved."""
+
+    force_exponents: pd.DataFrame
+    capacity_exponents: pd.DataFrame
+    release: pd.DataFrame
+    multiplier: pd.DataFrame
+    bandwidth: pd.DataFrame
+    corner: float
+    step: pd.DataFrame
 
 
 class Compared(Protocol):
@@ -31,102 +86,50 @@ def _claims_table(claims: Sequence[Compared]) -> Table:
     rows = []
     for claim in claims:
         ours = claim.ours if np.isfinite(claim.ours) else "cannot be had from this campaign"
-        rows.append([claim.name, claim.published, ours, claim.unit, claim.note])
-    return Table(["quantity", "printed", "ours", "unit", "what was assumed"], rows)
+        unit = unit_words(claim.unit) or "1"
+        rows.append([_with_micro(claim.name), claim.published, ours, unit, _with_micro(claim.note)])
+    return Table(["quantity", "printed", "ours", "unit", "what was assumed, why it differs"], rows)
 
 
-def literature_picture(times: Mapping[str, tuple[float, float]]) -> Picture:
-    """Engagement against release time of clutches in the literature; what was not measured lies on the edge."""
-    with canvas(height=4.2) as (figure, axes):
-        for name, (engagement, release) in times.items():
-            ours = name.startswith("Rauf")
-            point = (
-                engagement if np.isfinite(engagement) else 1.0,
-                release if np.isfinite(release) else 100.0,
-            )
-            missing = not np.isfinite(engagement + release)
-            axes.plot(
-                *point,
-                "s" if ours else "x" if missing else "o",
-                color=VERMILION if ours else GREY if missing else BLUE,
-            )
-            axes.annotate(name, point, fontsize=6, xytext=(3, 2), textcoords="offset points")
-        axes.set(
-            xscale="log",
-            yscale="log",
-            xlabel="engagement time (s)",
-            ylabel="release time (s)",
-            xlim=(5e-6, 6),
-        )
-        text = (
-            f"{len(times)} clutches; crosses at the right or upper edge: that time was not measured. "
-            "Source: Rauf & Follmer (2025), Table S1."
-        )
-        return picture(figure, "literature", "Engagement and release times in the literature", text)
-
-
-def exponent_picture(exponents: pd.DataFrame) -> Picture:
-    """Exponent of force over voltage per drive frequency."""
-    with canvas() as (figure, axes):
-        axes.errorbar(
-            exponents["frequency_hz"],
-            exponents["exponent"],
-            exponents["exponent_sd"],
-            fmt="o",
-            color=BLUE,
-            capsize=3,
-        )
-        axes.axhline(1.605, color=GREY, ls="--", lw=1)
-        axes.axhspan(1.605 - 0.309, 1.605 + 0.309, color=GREY, alpha=0.15, lw=0)
-        axes.set(
-            xscale="log", xlabel="drive frequency (Hz), DC at 0.1", ylabel="exponent n of force ~ V^n (1)"
-        )
-        text = f"Mean {exponents['exponent'].mean():.2f}; grey: the printed 1.605 ± 0.309."
-        return picture(figure, "exponents", "Exponent of force over voltage per drive frequency", text)
-
-
-def release_picture(release: pd.DataFrame) -> Picture:
-    """10 % and 90 % release times against the drive frequency."""
-    with canvas() as (figure, axes):
-        for name, label, colour in (
-            ("release_time_90_s", "90 %", VERMILION),
-            ("release_time_10_s", "10 %", GREEN),
-        ):
-            axes.errorbar(
-                release["frequency_hz"], 1e3 * release[name], 1e3 * release[f"{name}_sem"],
-                fmt="o-", color=colour, capsize=3, label=label,
-            )  # fmt: skip
-        axes.set(
-            xscale="log", xlabel="drive frequency (Hz), DC at 0.1", ylabel="release time (ms)", ylim=(0, None)
-        )
-        axes.legend()
-        fastest = release.loc[release["release_time_90_s"].idxmin()]
-        text = (
-            f"2 mm strips, preload < 0.25 N. Fastest 90 % release: {1e3 * fastest['release_time_90_s']:.2f} ms at "
-            f"{fastest['frequency_hz']:g} Hz. Bars: standard error."
-        )
-        return picture(figure, "release", "10 % and 90 % release times over drive frequency", text)
+def _with_micro(text: str) -> str:
+    """``um`` and ``us`` as one writes them, squares of centimetres too."""
+    return re.sub(r"\bu(?=[ms]\b)", "µ", text).replace("cm2", "cm²")
 
 
 def paper_page(
     groups: Mapping[str, Sequence[Compared]],
-    exponents: pd.DataFrame,
-    release: pd.DataFrame,
-    multiplier: pd.DataFrame,
+    figures: PaperFigures,
     times: Mapping[str, tuple[float, float]],
     campaign: str,
 ) -> str:
     """HTML: every printed number beside ours, with pictures."""
-    sections = [Section(title, [], [], [_claims_table(claims)]) for title, claims in groups.items()]
-    if len(exponents):
+    sections = [
+        Section(title, LEADS.get(title, ()), [], [_claims_table(claims)]) for title, claims in groups.items()
+    ]
+    if len(figures.capacity_exponents):
+        drawn = exponent_picture(figures.force_exponents, figures.capacity_exponents)
         sections.append(
-            Section("Force over voltage", [], [exponent_picture(exponents)], [table_of(exponents)])
+            Section("Force over voltage", [], [drawn], [table_of(figures.force_exponents, EXPONENTS)])
         )
-    if len(release):
+    if len(figures.release):
+        shown = figures.release.assign(
+            **{name: 1e3 * figures.release[name] for name in RELEASE if name.endswith(("_s", "_sem"))}
+        )
         sections.append(
-            Section("Release over frequency", [], [release_picture(release)], [table_of(release)])
+            Section(
+                "Release over frequency", [], [release_picture(figures.release)], [table_of(shown, RELEASE)]
+            )
         )
-    sections.append(Section("Release with and without the force multiplier", [], [], [table_of(multiplier)]))
+    sections.append(
+        Section(
+            "Release with and without the force multiplier",
+            [],
+            [multiplier_picture(figures.multiplier)],
+            [table_of(figures.multiplier, MULTIPLIER)],
+        )
+    )
+    responses = [bandwidth_picture(figures.bandwidth, figures.corner), step_picture(figures.step)]
+    sections.append(Section("Bandwidth and step response", [], responses))
     sections.append(Section("Times in the literature", [], [literature_picture(times)]))
     return render_study(
         "The paper's numbers", f"Campaign {campaign}; the paper's values beside ours.", sections

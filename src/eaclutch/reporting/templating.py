@@ -8,7 +8,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
 from eaclutch.reporting.glance import set_words
-from eaclutch.reporting.words import effect_words, number, observable_words, percent, plain, with_error
+from eaclutch.reporting.words import effect_words, number, observable_words, percent, plain, short, with_error
 
 _TEMPLATES = Path(__file__).parent / "templates"
 
@@ -29,6 +29,7 @@ def environment() -> Environment:
         "effects": effect_words,
         "set": set_words,
         "plain": plain,
+        "short": short,
         "with_error": with_error,
     }
     return found

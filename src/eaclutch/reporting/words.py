@@ -54,6 +54,7 @@ def unit_words(unit: str | None) -> str:
         return ""
     if unit == "ohm":
         return "Ω"
+    unit = re.sub(r"^u(?=[sm])", "µ", unit)
     return re.sub(r"(?<=[A-Za-z])\^?(-?\d[\d.]*)", lambda power: power[1].translate(_POWERS), str(unit))
 
 
@@ -116,6 +117,15 @@ def number(value: float | None, digits: int = 3) -> str:
 def plain(value: float | None) -> str:
     """A setting as one writes it: 300, 0.1, 10000; a dash where there is none."""
     return number(value) if value is None or not math.isfinite(value) else f"{value:.6g}".replace("-", "−")
+
+
+def short(value: float, digits: int = 4) -> str:
+    """A number as a table shows it, without trailing zeros: 1e4 as 10000."""
+    text = f"{value:.{digits}g}"
+    if "e" in text:
+        mantissa, _, exponent = text.partition("e")
+        text = f"{value:.0f}" if 0 <= int(exponent) < 6 else f"{mantissa}·10{superscript(int(exponent))}"
+    return text.replace("-", "−")
 
 
 def with_error(mean: float | None, sd: float | None, unit: str | None = "") -> str:

@@ -62,6 +62,17 @@ def draw_maps(bench: Bench, config: Mapping[str, Any], draws: Mapping[str, Float
     return maps
 
 
+def design_levels(bench: Bench, design: Mapping[str, float]) -> dict[str, float]:
+    """Level of every axis at the design point: the config's, and the bench's for what the config does not state."""
+    own = {
+        "film_thickness_um": bench.pad.film_thickness * 1e6,
+        "overlap_length_mm": bench.pad.overlap_length * 1e3,
+        "drive_time_us": bench.drive.rise_10_90 * 1e6,
+        "electrodes": float(bench.pad.electrodes),
+    }
+    return own | dict(design)
+
+
 def levels(sweep: Mapping[str, Any], name: str) -> FloatArray:
     """The levels of one axis: evenly spaced within the config's range, drive times and frequencies in the log."""
     low, high = sweep["ranges"][name]
