@@ -60,6 +60,15 @@ def test_what_comes_out_is_what_the_schemas_say(finished: Path) -> None:
     assert departures(finished / "results" / "tiny") == []
 
 
+def test_the_engines_own_report_has_captions_with_this_runs_numbers(finished: Path, quick: Path) -> None:
+    done = call_snakemake(finished, "--configfile", str(quick), "--report", "engine.html")
+    assert done.returncode == 0, done.stderr[-3000:]
+    page = (finished / "engine.html").read_text()
+    quality = json.loads((finished / "results" / "tiny" / "quality.json").read_text())
+    assert f"{quality['usable']} of {quality['runs']} runs are used" in page
+    assert "Predictions of" in page
+
+
 def test_verify_sees_a_changed_result(finished: Path) -> None:
     path = finished / "results" / "tiny" / "quality.json"
     text = path.read_text()

@@ -1,4 +1,5 @@
 # Conventions of all rules: the config, path patterns, slices, seeds. Stated once, used by every stage.
+import csv
 import hashlib
 import json
 import os
@@ -11,7 +12,7 @@ import eaclutch
 from eaclutch.config import load_bench, load_config
 from eaclutch.config.slices import bench_slice, job_seed
 from eaclutch.physics.effects import BASE, EFFECTS
-from eaclutch.files import hold
+from eaclutch.files import hold, read_json
 from eaclutch.provenance import code_hash
 from eaclutch.records import InputError
 from eaclutch.manifest import refuse_other_campaign
@@ -67,6 +68,21 @@ def results(pattern):
 def log_of(rule_name, wildcards=""):
     """Where a rule logs: its name and its wildcards."""
     return results(f"logs/{rule_name}/{wildcards or rule_name}.log")
+
+
+def numbers(name):
+    """A JSON file of the results, for the captions of ``snakemake --report``."""
+    return read_json(results(name))
+
+
+def table(name):
+    """The rows of a CSV file of the results as dictionaries of text, for captions."""
+    with open(results(name), newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+# Captions are rendered long after the rules: they reach the results through the config, the only thing they share.
+config |= {"numbers": numbers, "table": table}
 
 
 def settings(*keys, priors=None):

@@ -7,7 +7,7 @@ rule predict:
         draws=expand(results("posterior/{stage}.nc"), stage=STAGES),
         summary=results("posterior/summary.json"),
     output:
-        runs=results("predict/runs.csv"),
+        runs=report(results("predict/runs.csv"), caption="../report/predictions.rst", category="Predictions"),
         coverage=results("predict/coverage.json"),
     log:
         log_of("predict"),

@@ -18,7 +18,7 @@ rule report:
         coverage=results("predict/coverage.json"),
         diagnosis=results("diagnosis/diagnosis.json"),
     output:
-        results("report.html"),
+        report(results("report.html"), caption="../report/report.rst", category="Diagnosis"),
     log:
         log_of("report"),
     params:

@@ -7,7 +7,7 @@ rule sweep:
         summary=results("posterior/summary.json"),
     output:
         table=results("sweep/maps.csv"),
-        page=results("sweep/report.html"),
+        page=report(results("sweep/report.html"), caption="../report/sweep.rst", category="Studies"),
     log:
         log_of("sweep"),
     params:
@@ -27,7 +27,7 @@ rule fea:
     output:
         table=results("fea/pressure.csv"),
         insulators=results("fea/insulators.csv"),
-        page=results("fea/report.html"),
+        page=report(results("fea/report.html"), caption="../report/fea.rst", category="Studies"),
     log:
         log_of("fea"),
     params:
@@ -48,7 +48,7 @@ rule paper:
         summary=results("posterior/summary.json"),
     output:
         table=results("paper/numbers.csv"),
-        page=results("paper/report.html"),
+        page=report(results("paper/report.html"), caption="../report/paper.rst", category="Studies"),
     log:
         log_of("paper"),
     params:
