@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import solve_triangular
+from scipy.linalg import cho_factor, cho_solve, eigh, solve_triangular
 from scipy.special import logsumexp
 
 from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.fit import scout_shifts
 from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.weigh import LIBRARY
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.records import FloatArray
 
@@ -25,16 +26,21 @@ DRAWS = 12  # parameter sets of each effect
 REPLICAS = 10  # data sets simulated from each
 NONE_REPLICAS = 200
 AMPLITUDE_SD = 0.3  # a scouted signature stands for its neighbours of other amplitude, too
-SIZES = np.geomspace(0.05, 4.0, 14)  # of a typical draw
+AMPLITUDES = (0.5, 1.0, 2.0)
+SCOUTS_APART = 2  # every other one will do where each stands for three amplitudes
+LAW_DIRECTIONS = 12  # in which an effect's own law may be off, the widest ones
+SIZES = np.geomspace(0.05, 4.0, 10)  # of a typical draw
 SURE = 0.8  # probability of the right verdict that makes an effect identifiable
 
 
 @dataclass(frozen=True)
 class Cloud:
-    """Signatures of one law, whitened by the base model's marginal covariance: (scouts, entries)."""
+    """Signatures of one law, whitened by the base model's marginal covariance: ``white`` (scouts, entries), and how
+    each may differ from the truth, in amplitude and in its law: ``spread`` (scouts, entries, directions)."""
 
     name: str
     white: FloatArray
+    spread: FloatArray
 
 
 class Forecast:
@@ -48,13 +54,13 @@ class Forecast:
         self.covariance = base.linearised.marginal()
         self.root = np.linalg.cholesky(self.covariance)
         self.clouds = [
-            Cloud(name, self._whiten(scout_shifts(study.forward((name,)), base)[0]))
+            self._cloud(name, scout_shifts(study.forward((name,)), base)[0][::SCOUTS_APART])
             for name in study.candidates
         ]
         self.names = [*study.candidates, "unknown", "none"]
         thresholds = study.thresholds
         prior = thresholds["prior"]
-        named = (1.0 - prior["none"] - prior["unknown"]) / max(1, len(self.clouds))
+        named = (1.0 - prior["none"] - prior["unknown"]) / max(LIBRARY, len(self.clouds))
         self.log_prior = np.log([named] * len(self.clouds) + [prior["unknown"], prior["none"]])
         self.nameless_roots = [
             np.linalg.cholesky(self.covariance + self.kernels.tolerance * (factor**2 - 1.0))
@@ -66,12 +72,26 @@ class Forecast:
     def _whiten(self, w: FloatArray) -> FloatArray:
         return solve_triangular(self.root, w.T, lower=True).T
 
+    def _cloud(self, name: str, shifts: FloatArray) -> Cloud:
+        share = float(self.study.thresholds["signature_tolerance"])
+        white = self._whiten(shifts)
+        spread = np.empty((*white.shape, LAW_DIRECTIONS + 1))
+        for i, shift in enumerate(share * shifts):
+            half = self._whiten((self.kernels.smooth * np.outer(shift, shift)).T)
+            values, vectors = eigh(
+                self._whiten(half), subset_by_index=[len(shift) - LAW_DIRECTIONS, len(shift) - 1]
+            )
+            spread[i, :, 1:] = vectors * np.sqrt(np.maximum(values, 0.0))
+        spread[:, :, 0] = AMPLITUDE_SD * white
+        scaled = [(a * white, a * spread) for a in AMPLITUDES]
+        return Cloud(name, np.concatenate([w for w, _ in scaled]), np.concatenate([d for _, d in scaled]))
+
     def verdicts(self, w: FloatArray) -> np.ndarray:
         """Index into ``names`` of the most probable hypothesis for data (sets, entries)."""
         a = self._whiten(w)
         plain = -0.5 * np.sum(a**2, axis=1)
         log_det = float(np.sum(np.log(np.diag(self.root))))
-        scores = [self._cloud_evidence(a, cloud.white) for cloud in self.clouds]
+        scores = [self._cloud_evidence(a, cloud) for cloud in self.clouds]
         nameless = []
         for root in self.nameless_roots:
             z = solve_triangular(root, w.T, lower=True)
@@ -81,14 +101,18 @@ class Forecast:
         total = np.stack(scores, axis=1) / self.study.thresholds["temperature"] + self.log_prior
         return np.argmax(total, axis=1)
 
-    def _cloud_evidence(self, a: FloatArray, b: FloatArray) -> FloatArray:
-        """log mean over scouts of N(a; b, 1 + v b b'), up to the constant that all share."""
-        v = AMPLITUDE_SD**2
-        norm = np.sum(b**2, axis=1)
-        cross = a @ b.T
-        quadratic = np.sum(a**2, axis=1)[:, None] - 2 * cross + norm
-        quadratic = quadratic - v * (cross - norm) ** 2 / (1.0 + v * norm)
-        return logsumexp(-0.5 * quadratic - 0.5 * np.log1p(v * norm), axis=1) - np.log(len(b))
+    @staticmethod
+    def _cloud_evidence(a: FloatArray, cloud: Cloud) -> FloatArray:
+        """log mean over scouts b of N(a; b, 1 + D D'), D its spread, up to the constant that all share."""
+        scores = np.empty((len(cloud.white), len(a)))
+        for i, (b, spread) in enumerate(zip(cloud.white, cloud.spread, strict=True)):
+            difference = a - b
+            inner = cho_factor(np.eye(spread.shape[1]) + spread.T @ spread, lower=True)
+            along = difference @ spread
+            explained = np.sum(along.T * cho_solve(inner, along.T), axis=0)
+            log_det = np.sum(np.log(np.diag(inner[0])))
+            scores[i] = -0.5 * (np.sum(difference**2, axis=1) - explained) - log_det
+        return logsumexp(scores, axis=0) - np.log(len(scores))
 
     def simulate(self, shift: FloatArray, replicas: int, rng: np.random.Generator) -> FloatArray:
         """Data (replicas, entries) with an effect that moves them by ``shift`` (entries,), its law a little off."""
