@@ -17,6 +17,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from eaclutch.records import InputError
+
 # Nine significant digits: far below any uncertainty here, and above the last bits in which
 # sums of another order may differ.
 DIGITS = 9
@@ -78,9 +80,26 @@ def write_json(path: str | os.PathLike[str], value: Any) -> None:
     write_text(path, text + "\n")
 
 
-def read_json(path: str | os.PathLike[str]) -> Any:
-    """What ``write_json`` wrote."""
-    return json.loads(Path(path).read_text(encoding="utf-8"))
+class Document(dict[str, Any]):
+    """A JSON object that knows where it was read: a key that it lacks is an error for the reader's eyes."""
+
+    def __init__(self, where: object, content: Mapping[str, Any]):
+        super().__init__(content)
+        self.where = where
+
+    def __missing__(self, key: str) -> Any:
+        raise InputError(self.where, f"lacks {key!r}", "make it again")
+
+
+def read_json(path: str | os.PathLike[str], kind: type[dict[str, Any]] | type[list[Any]] = dict) -> Any:
+    """What ``write_json`` wrote, an object unless ``kind`` is list. Raises InputError where it is not that."""
+    try:
+        content = json.loads(Path(path).read_text(encoding="utf-8"))
+    except (json.JSONDecodeError, UnicodeDecodeError) as error:
+        raise InputError(path, f"is not JSON ({error})", "make it again") from error
+    if not isinstance(content, kind):
+        raise InputError(path, f"holds no JSON {'object' if kind is dict else 'array'}", "make it again")
+    return Document(path, content) if isinstance(content, dict) else content
 
 
 def write_csv(path: str | os.PathLike[str], table: pd.DataFrame) -> None:

@@ -47,9 +47,30 @@ def test_names_of_commands_are_unique() -> None:
         ["capture", "--campaign", "nowhere", "--output", "x.json"],
         ["capture"],
         ["verify", "nowhere"],
+        [
+            "predict",
+            "--campaign",
+            ".",
+            "--results",
+            ".",
+            "--output",
+            "x.csv",
+            "--coverage",
+            "c",
+            "--settings",
+            "{",
+        ],
+        ["posterior", "contact", "--campaign", ".", "--results", ".", "--output", "x.nc", "--gate", "g.json"],
+        ["manifest", "--results", "nowhere", "--output", "x.json"],
+        ["blind", "report", "--score", "damaged.json", "--newest", "n.html", "--output", "x.html"],
+        ["blind", "report", "--score", "list.json", "--newest", "n.html", "--output", "x.html"],
+        ["fea", "--campaign", "damaged.json", "--table", "t", "--insulators", "i", "--page", "p"],
     ],
+    ids=" ".join,
 )
 def test_an_error_is_one_line_and_a_status(arguments: list[str], tmp_path: Path) -> None:
+    (tmp_path / "damaged.json").write_bytes(b"\xff\x00{")
+    (tmp_path / "list.json").write_text("[1]")
     done = subprocess.run(
         [sys.executable, "-m", "eaclutch", *arguments], capture_output=True, text=True, cwd=tmp_path
     )

@@ -19,6 +19,9 @@ _MEND = {
     errno.ENOSPC: "make room on the disk and start again",
     errno.EDQUOT: "make room in the quota and start again",
     errno.EROFS: "name a folder that can be written",
+    errno.ENOENT: "make it, or name what is there",
+    errno.EISDIR: "name a file",
+    errno.ENOTDIR: "name a folder",
     errno.EACCES: "give access, or name another folder",
     errno.EPERM: "give access, or name another folder",
 }

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import logging
 from datetime import date
 from pathlib import Path
@@ -18,6 +17,7 @@ from eaclutch.blind.limits import sizes_at
 from eaclutch.blind.measured_noise import measure_noise
 from eaclutch.blind.plan import make_plan
 from eaclutch.blind.scoring import score
+from eaclutch.config.slices import parse_settings
 from eaclutch.files import read_json, write_json, write_text
 from eaclutch.provenance import commit
 from eaclutch.rig.log_names import EXTENSIONS
@@ -97,7 +97,9 @@ def seal(plan_file: Path, batch: int, cases: Path, commitments: Path, answers: P
     "--method", default="library", show_default=True, help="library, without-<effect>, or a comparator."
 )
 @click.option("--settings", default="{}", help="Config sections model, priors and diagnosis as JSON.")
-@click.option("--seed", type=int, default=1, show_default=True, help="Seed of simulated campaigns.")
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of simulated campaigns."
+)
 @click.option(
     "--code", default="", help="Hash of the diagnosing code: verdicts of another one are made anew."
 )
@@ -123,7 +125,9 @@ def diagnose(
     for case in sorted(read_json(commitments)["cases"]):
         target, run = verdicts / f"{case}.json", verdicts / f"{case}.run.json"
         if not (target.is_file() and run.is_file() and read_json(run).get("mark") == mark):
-            document, sides, fitted, elapsed = diagnose_case(cases / case, method, json.loads(settings), seed)
+            document, sides, fitted, elapsed = diagnose_case(
+                cases / case, method, parse_settings(settings), seed
+            )
             if fits is not None:
                 write_json(fits / f"{case}.json", fitted)
             for side, content in sides.items():

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from pathlib import Path
 from typing import Any
@@ -11,6 +10,7 @@ import click
 import numpy as np
 
 from eaclutch.cli.inference import stage_inputs
+from eaclutch.config.slices import parse_settings
 from eaclutch.files import read_json, write_csv, write_json
 from eaclutch.inference import storage
 from eaclutch.inference.agreement import agreement
@@ -33,7 +33,9 @@ QUICK = SamplerSettings(ensembles=2, walkers=20, check_every=400, max_steps=400,
 def _common(command: Any) -> Any:
     for option in (
         click.option("--output", type=_FILE, required=True, help="File to write (json)."),
-        click.option("--seed", type=int, default=1, show_default=True, help="Seed of the study."),
+        click.option(
+            "--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the study."
+        ),
         click.option("--settings", default="{}", help="Config sections posterior, priors and model as JSON."),
         click.option("--results", type=_FOLDER, required=True, help="The campaign's results folder."),
         click.option(
@@ -64,7 +66,7 @@ def sbc(
     parts: int,
 ) -> None:
     """Ranks of true values in a STAGE's posteriors of data made from its prior and likelihood."""
-    inputs = stage_inputs(stage, campaign, results, json.loads(settings))
+    inputs = stage_inputs(stage, campaign, results, parse_settings(settings))
     case = replicable(stage, inputs, np.random.default_rng([seed, 7]))
     found = replications(case, QUICK, seed, range(part, count, parts))
     write_json(output, found)
@@ -72,7 +74,9 @@ def sbc(
 
 @click.command("sbc-summary")
 @click.argument("files", nargs=-1, required=True, type=_FILE)
-@click.option("--seed", type=int, default=1, show_default=True, help="Seed of the simultaneous limit.")
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Of the simultaneous limit."
+)
 @click.option("--output", type=_FILE, required=True, help="Verdicts by stage to write (json).")
 def sbc_summary(files: tuple[Path, ...], seed: int, output: Path) -> None:
     """Join parts of a calibration study: are ranks uniform, do 90 % intervals cover 90 %?"""
@@ -93,7 +97,7 @@ def sbc_summary(files: tuple[Path, ...], seed: int, output: Path) -> None:
 @_common
 def agreement_of(stage: str, campaign: Path, results: Path, settings: str, seed: int, output: Path) -> None:
     """A STAGE's posterior by emcee and by nested sampling: means within 0.1 sd, sds within 10 %."""
-    chosen = json.loads(settings)
+    chosen = parse_settings(settings)
     problem = stage_problem(
         stage, stage_inputs(stage, campaign, results, chosen), np.random.default_rng([seed, 7])
     )
@@ -113,7 +117,7 @@ def published_fits(
     campaign: Path, results: Path, settings: str, seed: int, output: Path, replicates: int
 ) -> None:
     """The paper's point fits by its own choices and by others, beside our posterior (csv)."""
-    chosen, rng, rows = json.loads(settings), np.random.default_rng([seed, 3]), []
+    chosen, rng, rows = parse_settings(settings), np.random.default_rng([seed, 3]), []
     inputs = {stage: stage_inputs(stage, campaign, results, chosen) for stage in STAGES}
     made = {
         stage: _replicates(stage, inputs[stage], results, seed, replicates)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import replace
 from datetime import datetime, timedelta
@@ -15,6 +14,7 @@ import yaml
 from tqdm import tqdm
 
 from eaclutch.config import load_bench
+from eaclutch.config.slices import parse_settings
 from eaclutch.files import read_json, write_text
 from eaclutch.manifest import write_capture
 from eaclutch.records import Bench, InputError, Recording
@@ -193,14 +193,16 @@ def say_missing(plan: Plan, plan_file: Path, campaign: Path, excluded: Mapping[s
 @click.option(
     "--settings", default="{}", help="JSON with the config's capture part and observables.batch_size."
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Of the simulated rig.")
+@click.option(
+    "--seed", type=click.IntRange(min=0), default=0, show_default=True, help="Of the simulated rig."
+)
 @click.option("--output", type=_FILE, required=True, help="capture.json.")
 def capture_check(campaign: Path, settings: str, seed: int, output: Path) -> None:
     """Check a campaign, and the plan against it where one is named, and list it. Never asks.
 
     Where the settings say that the source is simulated, the simulated rig adds what is missing first.
     """
-    chosen: dict[str, Any] = json.loads(settings)
+    chosen: dict[str, Any] = parse_settings(settings)
     source = chosen.get("capture", {}).get("source", "recordings")
     plan_file = chosen.get("capture", {}).get("plan")
     if source != "recordings" and not plan_file:
@@ -248,7 +250,7 @@ def _simulate(plan: Plan, campaign: Path, effects: Mapping[str, Mapping[str, flo
 )
 @click.option("--campaign", type=_FOLDER, required=True, help="The campaign that the runs are to join.")
 @click.option("--substrate", help="Substrate of the runs; default: the campaign's only one.")
-@click.option("--seed", type=int, default=1, show_default=True, help="Of the random order.")
+@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Of the random order.")
 @click.option("--output", type=_FILE, required=True, help="Plan to write; must not be there yet.")
 def capture_plan(diagnosis: Path, campaign: Path, substrate: str | None, seed: int, output: Path) -> None:
     """Turn the next experiments that a diagnosis suggests into a plan."""

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
 import click
 
 from eaclutch.config import load_bench
+from eaclutch.config.slices import parse_settings
 from eaclutch.diagnosis.conclude import conclude, gap_summary
 from eaclutch.diagnosis.files import read_inputs
 from eaclutch.diagnosis.forecast import Forecast
@@ -27,7 +27,13 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
 def _common(command: Any) -> Any:
     for option in (
         click.option("--output", type=_FILE, required=True, help="File to write."),
-        click.option("--seed", type=int, default=1, show_default=True, help="Seed of simulated campaigns."),
+        click.option(
+            "--seed",
+            type=click.IntRange(min=0),
+            default=1,
+            show_default=True,
+            help="Seed of simulated campaigns.",
+        ),
         click.option("--settings", default="{}", help="Config sections model, priors and diagnosis as JSON."),
         click.option("--results", type=_FOLDER, required=True, help="The campaign's results folder."),
         click.option("--campaign", type=_FOLDER, required=True, help="The campaign's folder."),
@@ -37,7 +43,7 @@ def _common(command: Any) -> Any:
 
 
 def _study(campaign: Path, results: Path, settings: str, seed: int) -> Study:
-    chosen = json.loads(settings)
+    chosen = parse_settings(settings)
     return Study(read_inputs(results, load_bench(campaign), chosen), load_thresholds(), seed)
 
 
@@ -70,7 +76,7 @@ def diagnosis(
     """The verdict from all weighed CANDIDATES (diagnosis.json)."""
     study = _study(campaign, results, settings, seed)
     found = [study.weigh(())] + [CandidateResult.read(read_json(path)) for path in candidates]
-    pairs = json.loads(settings).get("diagnosis", {}).get("pairs", 6)
+    pairs = parse_settings(settings).get("diagnosis", {}).get("pairs", 6)
     write_json(output, conclude(study, [*found, *weigh_pairs(study, found, pairs)]))
 
 
@@ -78,7 +84,7 @@ def diagnosis(
 @_common
 def confusion(campaign: Path, results: Path, settings: str, seed: int, output: Path) -> None:
     """What this campaign's design could tell apart, before its data are looked at (confusion.json)."""
-    chosen = json.loads(settings)
+    chosen = parse_settings(settings)
     study = planned_study(open_campaign(campaign), chosen, load_thresholds(), seed)
     write_json(output, Forecast(study).document(study.generator(21)))
 

@@ -52,7 +52,7 @@ from eaclutch.rig.logs import read_log
     type=click.Path(path_type=Path),
     help="File that gets a JSON line a transfer, with its checksum.",
 )
-@click.option("--seed", type=int, default=1, show_default=True, help="Of noise and faults.")
+@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Of noise and faults.")
 def emulate(
     link: Path, campaign: Path, replay: bool, synthetic: bool, plan_file: Path | None, effects: tuple[str, ...],
     speed_factor: float | None, faults: tuple[str, ...], fault_share: float, bytes_per_second: float | None,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from collections.abc import Mapping
 from dataclasses import replace
@@ -14,6 +13,7 @@ import numpy as np
 import pandas as pd
 
 from eaclutch.config import load_bench
+from eaclutch.config.slices import parse_settings
 from eaclutch.files import write_csv, write_json
 from eaclutch.inference import storage
 from eaclutch.inference.parameters import with_priors
@@ -48,7 +48,9 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
 
 def _common(command: Any) -> Any:
     for option in (
-        click.option("--seed", type=int, default=1, show_default=True, help="Seed of the sampler."),
+        click.option(
+            "--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Seed of the sampler."
+        ),
         click.option(
             "--settings", default="{}", help="Config sections as JSON: posterior, priors, model, predict."
         ),
@@ -135,7 +137,7 @@ def posterior(
     stage: str, campaign: Path, results: Path, settings: str, seed: int, output: Path, gate_file: Path
 ) -> None:
     """Sample a STAGE of the posterior (.nc) and say whether it converged (.gate.json)."""
-    chosen = json.loads(settings)
+    chosen = parse_settings(settings)
     inputs = stage_inputs(stage, campaign, results, chosen)
     problem = stage_problem(stage, inputs, np.random.default_rng([seed, 7]))
     problem = with_code(problem, code_hash(["inference.posterior"], (inputs.model or {}).get("effects", ())))
@@ -166,7 +168,7 @@ def posterior_summary(files: tuple[Path, ...], output: Path, sensitivity: Path |
 @click.option("--coverage", type=_FILE, required=True, help="Calibration curves to write (json).")
 def predict(campaign: Path, results: Path, settings: str, seed: int, output: Path, coverage: Path) -> None:
     """Predict every run from joint posterior draws, in the sample and left out by condition and by session."""
-    chosen = json.loads(settings)
+    chosen = parse_settings(settings)
     bench = load_bench(campaign)
     runs = _runs(results)
     model = chosen.get("model", {})

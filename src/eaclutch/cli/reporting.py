@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
 
+from eaclutch.config.slices import parse_settings
 from eaclutch.files import write_text
 from eaclutch.records import InputError
 
@@ -23,7 +23,7 @@ def report(results: Path, settings: str, output: Path) -> None:
     from eaclutch.reporting.page import render
     from eaclutch.reporting.results import read_results
 
-    write_text(output, render(read_results(results), json.loads(settings)))
+    write_text(output, render(read_results(results), parse_settings(settings)))
 
 
 @click.command()
@@ -46,7 +46,7 @@ def manifest(results: Path, settings: str, output: Path) -> None:
     """Checksums of inputs and results, with config, seed, versions and commit."""
     from eaclutch.manifest import write_manifest
 
-    write_manifest(results, json.loads(settings), output)
+    write_manifest(results, parse_settings(settings), output)
 
 
 @click.command()

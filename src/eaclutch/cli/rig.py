@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -12,6 +11,7 @@ import numpy as np
 import pandas as pd
 
 from eaclutch.config import load_bench
+from eaclutch.config.slices import parse_settings
 from eaclutch.files import atomic, read_json, write_csv, write_json
 from eaclutch.manifest import batch_runs
 from eaclutch.records import Bench, InputError
@@ -73,7 +73,7 @@ def runs(
     tables: tuple[Path, ...],
 ) -> None:
     """Join the batches' TABLES (those named published* apart) to the campaign's."""
-    chosen, bench = json.loads(settings), load_bench(campaign)
+    chosen, bench = parse_settings(settings), load_bench(campaign)
     bench = replace(bench, exclude={**bench.exclude, **chosen.get("observables.exclude", {})})
     apart = [path for path in tables if path.name.startswith("published")]
     edges = chosen.get("observables.preload_bin_edges_n", PRELOAD_EDGES)
@@ -93,7 +93,7 @@ def runs(
 @_output("--bursts", "bursts.csv")
 def gap(campaign: Path, settings: str, gap: Path, spectra: Path, bursts: Path) -> None:
     """Capacitance readings as gaps, permittivity spectra, free swings of the bare load cell."""
-    opened, chosen = open_campaign(campaign), json.loads(settings)
+    opened, chosen = open_campaign(campaign), parse_settings(settings)
     widths = [width * 1e-3 for width in chosen.get("posterior.capacitance_widths_mm", ())]
     force_max = chosen.get("posterior.capacitance_force_max_n", np.inf)
     readings = gap_table(read_capacitance(opened), opened.bench, widths=widths, force_max=force_max)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 import logging
 from pathlib import Path
 
 import click
 
+from eaclutch.config.slices import parse_settings
 from eaclutch.files import write_csv, write_text
 
 _FOLDER = click.Path(file_okay=False, path_type=Path)
@@ -51,7 +51,7 @@ def sweep(campaign: Path, results: Path, settings: str, table: Path, page: Path)
     from eaclutch.studies.map_trends import map_trends
     from eaclutch.studies.maps import design_levels, draw_maps, limits_of, maps_table
 
-    config = json.loads(settings)
+    config = parse_settings(settings)
     bench = load_bench(campaign)
     stages = sorted((results / "posterior").glob("*.nc"))
     draws = load_draws(stages, config["sweep"]["draws"])
@@ -86,7 +86,7 @@ def paper(campaign: Path, results: Path, settings: str, table: Path, page: Path)
     from eaclutch.studies.sweep import Design
     from eaclutch.studies.trends import bandwidth, force_exponents, release_by_frequency
 
-    bench, config = load_bench(campaign), json.loads(settings)
+    bench, config = load_bench(campaign), parse_settings(settings)
     runs = pd.read_csv(results / "runs.csv")
     published = pd.read_csv(results / "runs_published.csv")
     model = model_of(bench, config["model"])

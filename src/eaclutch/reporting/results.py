@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -85,7 +84,7 @@ def read_results(folder: Path) -> Results:
             capture=capture,
             runs=table("runs.csv"),
             observables={
-                item["name"]: ObservableInfo(**item) for item in read_json(folder / "observables.json")
+                item["name"]: ObservableInfo(**item) for item in read_json(folder / "observables.json", list)
             },
             quality=read_json(folder / "quality.json"),
             gap=table("gap.csv"),
@@ -98,7 +97,7 @@ def read_results(folder: Path) -> Results:
             coverage=read_json(folder / "predict/coverage.json"),
             diagnosis=read_json(folder / "diagnosis/diagnosis.json"),
         )
-    except (OSError, KeyError, json.JSONDecodeError) as error:
+    except (OSError, KeyError) as error:
         raise InputError(folder, f"is incomplete ({error})", "run the campaign to its end") from error
 
 
