@@ -117,7 +117,7 @@ def roughness_average(
 
 
 def squeeze_film_coefficient(length: Quantity, width: Quantity) -> FloatArray:
-    """c [N s m2] such that F_b = -c / h^3 dh/dt (Griffin et al. 1966, doi:10.1115/1.3645838)."""
+    """c [N s m2] such that F_b = -c / h^3 dh/dt (Griffin et al., J. Basic Eng. 88 (1966) 451)."""
     short, long = np.minimum(length, width), np.maximum(length, width)
     return 96 * AIR_VISCOSITY * short**3 * long / np.pi**4
 

@@ -34,7 +34,10 @@ EFFECT = Effect(
             description="effective slip length of the gas (68 nm for smooth walls at 1 bar)",
         ),
     ),
-    reference=("Burgdorfer, J. Basic Eng. 81 (1959) 94, doi:10.1115/1.4008375"),
+    reference=(
+        "Burgdorfer, J. Basic Eng. 81 (1959) 94 (slip flow in gas bearings); "
+        "Bao & Yang, Sens. Actuators A 136 (2007) 3, doi:10.1016/j.sna.2007.01.008 (squeeze films in rarefied gas)"
+    ),
     validity="Knudsen number l / h below about 0.1 for the law itself; larger values stand for leaking, grooved walls",
     apply=apply,
     draw=lambda rng: {
