@@ -25,7 +25,8 @@ SETTLING = 0.15  # s after the voltage falls, until which the force may still ri
 BEFORE_ON = 0.02  # s, one period of the stage's full steps (50 Hz)
 # Samples after an edge of the voltage in which the drive is seen in the force (the ADC's filter delays it by two).
 PICK_UP_ON, PICK_UP_EDGE = (1.2, 4.8), (1.2, 3.8)
-PICK_UP_MEAN = 6e-6  # N/V, what the polarity edges of a fast drive add to the mean force, about 0
+# N s/V: what rising and falling edge leave together in the force, 0 +- this (published logs: up to 2.2e-9)
+PICK_UP_NET = 1.8e-9
 FEWEST_BETWEEN_EDGES = 20  # samples: faster drives leave nothing to look at between their edges
 MARGIN = 0.002  # s kept clear of the force's own events where the column is not in step
 
@@ -111,7 +112,8 @@ class RunView:
     @property
     def drive_offset_sd(self) -> float:
         """By how much the drive's edges may shift the mean force [N]: those of a slow drive are left out one by one."""
-        return 0.0 if self.slow_drive else PICK_UP_MEAN * self.whole.recording.settings.voltage
+        settings = self.whole.recording.settings
+        return 0.0 if self.slow_drive else PICK_UP_NET * settings.frequency * settings.voltage
 
     @cached_property
     def pick_up(self) -> np.ndarray:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from eaclutch.records import ObservableInfo
@@ -11,20 +13,27 @@ from eaclutch.rig.run_view import RunView
 
 
 def slope(run: RunView, start: float, end: float) -> Estimate:
-    """Least-squares slope of the force [N/s] between two instants of the run's time [s], the samples that show the
-    drive's edges left out. Raises Unusable."""
+    """Least-squares slope of the force [N/s] between two instants of the run's time [s]. Raises Unusable.
+
+    Samples that show the drive's edges are bridged: a force that slips is no line, and its slope not that of a part.
+    """
     window = run.window(start, end)
-    used = ~run.pick_up[window]
-    time = np.where(used, run.time[window] - run.time[window][used].mean(), 0.0)
+    seen = np.flatnonzero(~run.pick_up[window])
+    known = slice(window.start + int(seen[0]), window.start + int(seen[-1]) + 1)
+    time = run.time[known]
+    force = np.interp(time, run.time[window][seen], run.force[window][seen])
+    time = time - time.mean()
     weights = time / np.sum(time**2)
-    return Estimate(float(weights @ run.force[window]), run.noise_moving.sd(weights))
+    return Estimate(float(weights @ force), run.noise_moving.sd(weights))
 
 
 def _ramp(name: str, start: float, end: float) -> Observable:
     def measure(run: RunView) -> Estimate:
         run.require_in_step("on")
-        on = run.events.on
-        return slope(run, on + start, on + end)
+        on, step = run.events.on, run.step
+        here, earlier, later = (slope(run, on + start + by, on + end + by) for by in (0.0, -step, step))
+        shifted = 0.5 * (later.value - earlier.value) / step * run.events.on_sd
+        return Estimate(here.value, math.hypot(here.sd, shifted))
 
     text = f"least-squares slope of the force {start * 1e3:g} to {end * 1e3:g} ms after voltage on"
     return Observable(ObservableInfo(name, "N/s", "ramp", text), measure)

@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.ndimage import uniform_filter1d
+from scipy.ndimage import maximum_filter1d, uniform_filter1d
+from scipy.special import ndtr
 
 from eaclutch.records import FloatArray, ObservableInfo
 from eaclutch.rig.estimate import Estimate, Unusable
@@ -52,7 +53,19 @@ def _measure(run: RunView) -> Estimate:
     value = held + TOP * (fraction - held)
     level_sd = math.hypot(noise.sd(np.full(side, 1.0 / side)), run.zero.sd)
     own = math.hypot(sd, value * level_sd) / float(level[largest])
-    return Estimate(value, math.hypot(own, (fraction - held) / math.sqrt(12.0)))
+    rivals = rivals_spread(level, drops, side, sd, value)
+    return Estimate(value, math.hypot(own, (fraction - held) / math.sqrt(12.0), rivals))
+
+
+def rivals_spread(level: FloatArray, drops: FloatArray, side: int, sd: float, value: float) -> float:
+    """By how much the fraction of whichever slip is truly the largest may differ from ``value``.
+
+    Slips whose drops differ by less than their noise ``sd`` [N] stand at different forces: each counts by the
+    probability that its drop is the larger one.
+    """
+    slip = drops == maximum_filter1d(drops, 4 * side + 1)
+    weight = ndtr((drops[slip] - drops.max()) / (math.sqrt(2.0) * sd))
+    return float(np.sqrt(weight @ (drops[slip] / level[slip] - value) ** 2 / weight.sum()))
 
 
 OBSERVABLES = (
