@@ -45,6 +45,7 @@ def hashes() -> dict[str, str]:
         ("physics/effects/trapped_charge.py", {"candidate"}),
         ("physics/effects/gap_tilt.py", set()),
         ("reporting/words.py", {"page"}),
+        ("reporting/templates/report.css", {"page"}),
     ],
 )
 def test_an_edit_changes_the_hashes_of_what_imports_it(

@@ -19,7 +19,7 @@ _EFFECTS = "eaclutch.physics.effects"
 
 
 def code_hash(modules: Iterable[str], effects: Iterable[str] = ()) -> str:
-    """Hash of the library files that ``modules`` (and the files of ``effects``) come to import.
+    """Hash of the library files that ``modules`` (and the files of ``effects``) come to import, page templates too.
 
     ``modules``: dotted names below eaclutch, such as ``rig.extract``; unknown ones raise ValueError.
     Returns 16 hexadecimal digits that change when, and only when, one of those files changes.
@@ -36,6 +36,7 @@ def code_hash(modules: Iterable[str], effects: Iterable[str] = ()) -> str:
             raise ValueError(f"there is no module {name}")
         found[name] = path.read_bytes()
         pending += [other for other in _imports(name, path) if other not in found]
+        found |= {str(other): other.read_bytes() for other in sorted(path.parent.glob("templates/*"))}
         if name in _LISTED:
             pending += [f"{name}.{other.stem}" for other in path.parent.glob("[!_]*.py")]
             found |= {str(other): other.read_bytes() for other in sorted(path.parent.glob("*.yaml"))}

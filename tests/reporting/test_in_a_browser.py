@@ -14,6 +14,7 @@ from eaclutch.reporting.page import render
 from eaclutch.reporting.results import read_results
 
 BROWSER = shutil.which("chromium") or shutil.which("google-chrome")
+SCREENSHOTS = Path(__file__).resolve().parents[2] / "build" / "screenshots"
 FLAGS = (
     "--headless",
     "--no-sandbox",
@@ -59,6 +60,11 @@ def test_nothing_is_wider_than_the_screen(results_folder: Path, tmp_path: Path, 
         f"--window-size={width},900",
         "--dump-dom",
     ]
+    # looked at after a change of the page: build/screenshots
+    shown = SCREENSHOTS / f"report-{width}.png"
+    SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+    subprocess.run([*command[:-1], f"--screenshot={shown}", page.as_uri()], capture_output=True, timeout=240)
+    assert shown.stat().st_size > 20_000
     done = subprocess.run([*command, page.as_uri()], capture_output=True, text=True, timeout=240)
     found = re.search(r"<title>PROBE(\{.*?\})</title>", done.stdout)
     assert found, done.stderr[-2000:]

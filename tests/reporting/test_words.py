@@ -50,7 +50,7 @@ def test_units_take_a_prefix_that_suits_the_values() -> None:
 
 def test_names() -> None:
     assert observable_words("release_time_90_s") == "90\u00a0% release time"
-    assert observable_words("ramp_rate_early_n_s") == "ramp rate early"
+    assert observable_words("ramp_rate_early_n_s") == "early ramp rate"
     assert measured(1.0, 0.9, 1.1, "N") == "1.00 (0.900 to 1.10) N"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import pytest
@@ -11,7 +12,7 @@ import yaml
 
 from eaclutch.manifest import content_hash, verify
 from workflow.test_schemas import departures
-from workflow.tiny import call_snakemake
+from workflow.tiny import ROOT, call_snakemake
 
 pytestmark = [pytest.mark.workflow, pytest.mark.timeout(1500)]
 
@@ -38,8 +39,8 @@ def finished(quick: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return directory
 
 
-def planned(directory: Path, *configs: Path) -> dict[str, int]:
-    done = call_snakemake(directory, "--dry-run", "--configfile", *map(str, configs))
+def planned(directory: Path, *configs: Path, library: Path | None = None) -> dict[str, int]:
+    done = call_snakemake(directory, "--dry-run", "--configfile", *map(str, configs), library=library)
     assert done.returncode == 0, done.stderr
     return jobs(done.stdout + done.stderr)
 
@@ -123,6 +124,28 @@ def test_an_edit_reruns_only_what_depends_on_it(
 def test_one_prior_reruns_its_own_stage_and_what_follows(finished: Path, quick: Path, tmp_path: Path) -> None:
     (tmp_path / "edit.yaml").write_text("priors: {mass: [0.0011, 0.00004]}")
     assert planned(finished, quick, tmp_path / "edit.yaml")["posterior"] == 2  # load_cell, force
+
+
+@pytest.mark.parametrize(
+    ("edited", "rerun", "kept"),
+    [
+        ("inference/predict_campaign.py", {"predict", "report"}, {"posterior", "observables", "diagnosis"}),
+        ("rig/observables/slip.py", {"observables"}, {"capture", "gap"}),
+        ("reporting/templates/report.html.j2", {"report"}, {"predict", "diagnosis", "posterior"}),
+        (None, set(), {"report", "predict", "posterior"}),
+    ],
+    ids=["prediction", "observable", "template", "nothing"],
+)
+def test_an_edit_in_the_library_reruns_only_what_rests_on_it(
+    finished: Path, quick: Path, tmp_path: Path, edited: str | None, rerun: set[str], kept: set[str]
+) -> None:
+    shutil.copytree(ROOT / "src" / "eaclutch", tmp_path / "eaclutch")
+    if edited:
+        with (tmp_path / "eaclutch" / edited).open("a") as stream:
+            stream.write("\n# another line\n")
+    found = planned(finished, quick, library=tmp_path)
+    assert rerun <= set(found)
+    assert not kept & set(found)
 
 
 def test_one_core_gives_the_same_numbers_as_two(finished: Path, quick: Path, tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 import subprocess
 import sys
@@ -30,8 +31,11 @@ def tiny_campaign(folder: Path, name: str = "tiny", runs: int = 10) -> Path:
     return folder
 
 
-def call_snakemake(directory: Path, *arguments: str, cores: int = 2) -> subprocess.CompletedProcess[str]:
-    """``snakemake`` in ``directory`` on this checkout's Snakefile."""
+def call_snakemake(
+    directory: Path, *arguments: str, cores: int = 2, library: Path | None = None
+) -> subprocess.CompletedProcess[str]:
+    """``snakemake`` in ``directory`` on this checkout's Snakefile, with the package of ``library`` if there is one."""
+    environment = os.environ | ({"PYTHONPATH": str(library)} if library else {})
     command = [
         sys.executable,
         "-m",
@@ -41,7 +45,9 @@ def call_snakemake(directory: Path, *arguments: str, cores: int = 2) -> subproce
         "--cores",
         str(cores),
     ]
-    return subprocess.run([*command, *arguments], cwd=directory, capture_output=True, text=True, timeout=1400)
+    return subprocess.run(
+        [*command, *arguments], cwd=directory, env=environment, capture_output=True, text=True, timeout=1400
+    )
 
 
 def error_lines(done: subprocess.CompletedProcess[str]) -> list[str]:

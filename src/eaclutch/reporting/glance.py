@@ -81,7 +81,7 @@ def left_out_line(results: Results) -> str:
         for row in runs[~used].itertuples()
     )
     unused = int((~used).sum())
-    text = f"{unused or 'None'} of {len(runs)} runs {'is' if unused <= 1 else 'are'} not used"
+    text = f"{unused or 'None'} of {len(runs)} runs {'is' if unused <= 1 else 'are'} left out"
     if len(whys) == 1:
         text += f" ({next(iter(whys))})"
     elif whys:

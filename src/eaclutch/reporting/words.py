@@ -33,6 +33,12 @@ _PREFIXES = (
     (1e-12, "p"),
     (1e-15, "f"),
 )
+_NAMES = {
+    "ramp_rate_early": "early ramp rate",
+    "ramp_rate_late": "late ramp rate",
+    "switch_off_force": "force at switch-off",
+    "friction_before": "friction before the voltage",
+}
 _SCALED = {"s", "N", "m", "F", "Hz", "N/s", "N/m", "m/N", "Pa", "ohm"}
 _POWERS = str.maketrans("-0123456789.", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹·")
 
@@ -45,7 +51,7 @@ def observable_words(name: str) -> str:
             break
     if name.startswith("release_time_"):
         return f"{name.removeprefix('release_time_')}\u00a0% release time"
-    return name.replace("_", " ")
+    return _NAMES.get(name, name.replace("_", " "))
 
 
 def unit_words(unit: str | None) -> str:
