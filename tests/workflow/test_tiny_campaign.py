@@ -70,6 +70,24 @@ def test_the_engines_own_report_has_captions_with_this_runs_numbers(finished: Pa
     assert "Predictions of" in page
 
 
+def test_the_studies_pages_and_their_captions(finished: Path, quick: Path, tmp_path: Path) -> None:
+    (tmp_path / "few.yaml").write_text("sweep: {draws: 5, levels: 3}")
+    wanted = ["sweep", "paper", "fea", "--configfile", str(quick), str(tmp_path / "few.yaml")]
+    done = call_snakemake(finished, *wanted)
+    assert done.returncode == 0, done.stderr[-3000:]
+    pages = {name: (finished / f"results/tiny/{name}/report.html").read_text() for name in wanted[:3]}
+    assert "The paper&#39;s trends" in pages["sweep"] and "Probability that release" in pages["sweep"]
+    assert "With the paper&#39;s parameters" in pages["paper"] and "Times in the literature" in pages["paper"]
+    assert "within 5 % of the field solution" in pages["fea"]
+    assert all(
+        "<svg" in page and "http" not in page.replace("http://www.w3.org", "") for page in pages.values()
+    )
+    done = call_snakemake(finished, *wanted, "--report", str(tmp_path / "all.html"))
+    assert done.returncode == 0, done.stderr[-3000:]
+    captions = (tmp_path / "all.html").read_text()
+    assert "A design meets the limits with a probability" in captions and "above the formula" in captions
+
+
 def test_verify_sees_a_changed_result(finished: Path) -> None:
     path = finished / "results" / "tiny" / "quality.json"
     text = path.read_text()
