@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from eaclutch.inference.hyperparameters import HYPERPARAMETERS
+from eaclutch.inference.importance import width_check
 from eaclutch.inference.source_levels import LEVEL_SCALE, curve, marginal
 from eaclutch.inference.stages.dielectric import dielectric_problem
 from eaclutch.inference.start import starting_walkers
@@ -112,9 +113,21 @@ def test_havriliak_negami_contains_cole_cole():
     rng = np.random.default_rng(6)
     made = spectra(rng, spread=0.0)
     plain = dielectric_problem(made, parameters())
-    wide = dielectric_problem(made, parameters(), havriliak_negami=True)
+    wide = plain.wider
+    assert wide is not None and wide.wider is None
     theta = plain.priors.sample(rng, 5)
     with_one = np.concatenate([theta, np.ones((5, 1))], axis=1)
     np.testing.assert_allclose(wide.log_likelihood(with_one), plain.log_likelihood(theta), rtol=1e-9)
     mean, sd = mode(wide, rng)["havriliak_negami_exponent"]
     assert abs(mean - 1) < 3 * sd < 0.6
+    assert width_check(wide, rng).endswith("stands")
+
+
+def test_a_spectrum_that_cole_cole_cannot_describe_is_said():
+    rng, shape = np.random.default_rng(7), np.array([*TRUE, 0.5])
+    frequency = np.geomspace(1e2, 1e8, 40)
+    clean = curve(np.log(2 * np.pi * frequency), shape, 0.0, np.zeros(4))[0]
+    made = [Spectrum(f"s{i}", frequency, clean + 0.2 * rng.standard_normal(40)) for i in range(2)]
+    problem = dielectric_problem(made, parameters())
+    assert problem.wider is not None
+    assert width_check(problem.wider, rng).endswith("too narrow for these data")

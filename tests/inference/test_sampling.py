@@ -11,6 +11,7 @@ from eaclutch.inference.convergence import Thresholds
 from eaclutch.inference.priors import Priors
 from eaclutch.inference.problem import Problem, digest
 from eaclutch.inference.sampling import SamplerSettings, sample
+from eaclutch.inference.start import starting_walkers
 from eaclutch.physics.effect import Parameter, Prior
 from eaclutch.records import InputError
 
@@ -56,6 +57,21 @@ def test_goes_on_until_converged_or_says_so():
     assert not short.converged and short.failures and short.total_steps <= 21
     harder = replace(QUICK, thresholds=Thresholds(ess=20000))
     assert sample(problem, harder, 1).total_steps > long.total_steps
+
+
+def test_an_ensemble_whose_search_failed_starts_at_the_best_mode():
+    priors = Priors.of([Parameter("x", "1", (-np.inf, np.inf), 0.0, Prior("normal", 0.0, 1.0))])
+
+    def log_likelihood(theta):  # a narrow peak at 1 and, 60 nats below, a wide one that most searches end in
+        x = theta[:, 0]
+        return np.logaddexp(-0.5 * ((x - 1) / 0.0003) ** 2, -60 - 0.5 * ((x + 1) / 0.5) ** 2)
+
+    problem = Problem("two", priors, log_likelihood)
+    densities = [starting_walkers(problem.log_density, 1, 8, np.random.default_rng(s)).density
+                 for s in np.random.SeedSequence(8).spawn(4)]  # fmt: skip
+    assert min(densities) < max(densities) - 50
+    found = sample(problem, QUICK, 8)
+    assert np.all(np.abs(found.flat - 1) < 0.002)
 
 
 def test_same_seed_same_bits_other_seed_other():

@@ -31,7 +31,7 @@ def test_strong_data_leave_the_prior_no_say():
 def test_weak_data_are_named():
     row, *_ = conjugate(11.0, 6.0)
     assert row["driven_by"] == "prior"
-    assert "driven by the prior: x" in warnings_of("stage", {"x": row})[-1]
+    assert "driven by the prior: x" in warnings_of({"x": row})[-1]
 
 
 def test_contradiction_is_named_with_its_pull():
@@ -39,7 +39,7 @@ def test_contradiction_is_named_with_its_pull():
     assert row["conflict"] and row["driven_by"] == "both"
     # what the data alone say, +- their own and the prior's error: (30 - 10) / hypot(1.5, 2)
     assert row["pull"] == pytest.approx(20 / np.hypot(1.5, 2.0), rel=0.02)
-    assert "+8.0 standard errors" in warnings_of("stage", {"x": row})[0]
+    assert "+8.0 standard errors" in warnings_of({"x": row})[0]
 
 
 def test_power_scaling_agrees_with_a_prior_that_counts_twice():

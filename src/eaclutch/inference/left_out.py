@@ -1,24 +1,21 @@
 """Draws of the force stage without some runs: a quick refit, so that their prediction has not seen them.
 
-The stage without the runs is searched for its mode; draws of the Gaussian around it are reweighted to the posterior
-(importance resampling) and carry the other stages' parameters along. Only this stage looks at the runs.
+Its draws (`importance`) carry the other stages' parameters along. Only this stage looks at the runs.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from eaclutch.inference.moves import Target
+from eaclutch.inference.importance import resampled
+from eaclutch.inference.priors import Priors
 from eaclutch.inference.problem import Problem
 from eaclutch.inference.response import Response
-from eaclutch.inference.stages.force import CapacityData, force_problem
-from eaclutch.inference.start import starting_walkers
+from eaclutch.inference.stages.force import MULTIPLIER, VOLTAGE_PRIOR, CapacityData, force_problem
 from eaclutch.physics.effect import Parameter
 from eaclutch.records import FloatArray
-
-PROPOSALS = 2000
 
 
 def refit_draws(problem: Problem, draws: int, rng: np.random.Generator) -> dict[str, FloatArray]:
@@ -27,22 +24,21 @@ def refit_draws(problem: Problem, draws: int, rng: np.random.Generator) -> dict[
     if size == 0 or not problem.has_data:
         theta = problem.priors.sample(rng, draws) if size else np.zeros((draws, 0))
     else:
-        start = starting_walkers(problem.log_density, size, 4 * size, rng)
-        target = Target(start.mode, start.root)
-        random = np.random.RandomState(rng.integers(2**31))
-        u, _ = target.jump(np.zeros((PROPOSALS, size)), random)
-        weights = problem.log_density(u) - target.log_density(u)
-        weights = np.exp(weights - weights.max())
-        # systematic resampling: no more noise than the weights bring
-        places = (np.arange(draws) + rng.uniform()) / draws * weights.sum()
-        theta = problem.priors.from_normal(
-            u[np.searchsorted(np.cumsum(weights), places).clip(0, PROPOSALS - 1)]
-        )
-        theta = theta[rng.permutation(draws)]
+        theta = resampled(problem, draws, rng)
     found = {name: theta[:, i] for i, name in enumerate(problem.priors.names)}
     if problem.derived is not None:
         found |= problem.derived(theta, rng)
     return found
+
+
+def unseen_voltages(
+    names: Iterable[str], refit: Mapping[str, FloatArray], draws: int, rng: np.random.Generator
+) -> dict[str, FloatArray]:
+    """Prior draws of those voltages' multipliers among ``names`` that the refit has no run of."""
+    unseen = [name for name in names if name.startswith(MULTIPLIER) and name not in refit]
+    own = [Parameter(name, "1", (0.0, np.inf), 1.0, VOLTAGE_PRIOR) for name in unseen]
+    values = Priors.of(own).sample(rng, draws) if own else np.zeros((draws, 0))
+    return {name: values[:, i] for i, name in enumerate(unseen)}
 
 
 def without(

@@ -15,6 +15,7 @@ from eaclutch.inference import draws as joint_draws
 from eaclutch.inference import storage
 from eaclutch.inference.convergence import Thresholds
 from eaclutch.inference.draws import with_prior_draws
+from eaclutch.inference.importance import width_check
 from eaclutch.inference.priors import Priors
 from eaclutch.inference.problem import Problem
 from eaclutch.inference.response import Response
@@ -95,19 +96,24 @@ def run_stage(
     if sampled is not None:
         rows = sensitivity(problem.priors, sampled.flat, sampled.log_density.reshape(-1))
         data.attrs["sensitivity"] = json.dumps(rows, sort_keys=True)
-        for line in warnings_of(problem.stage, rows):
-            logger.warning(line)
+        found = warnings_of(rows)
+        for line in found:
+            logger.warning("%s: %s", problem.stage, line)
+        if problem.wider is not None:
+            found.append(width_check(problem.wider, np.random.default_rng([seed, 2])))
+            logger.info("%s: %s", problem.stage, found[-1])
+        data.attrs["findings"] = json.dumps(found)
+        data.attrs["notes"] = "; ".join([*problem.notes, *found])  # what the report shows
     return data, sampled
 
 
 def gate(
     problem: Problem, settings: SamplerSettings, sampled: Sampled | None, data: storage.arviz.InferenceData
 ) -> dict[str, Any]:
-    """The gate's document: whether the stage may be relied on, what was measured against what, and warnings."""
-    warned = warnings_of(problem.stage, json.loads(data.attrs.get("sensitivity", "{}")))
+    """The gate's document: whether the stage may be relied on, what was measured against what, and what was found."""
     document: dict[str, Any] = {
         "stage": problem.stage, "source": "data" if sampled is not None else "prior", "converged": None,
-        "failures": [], "notes": [*problem.notes, *warned],
+        "failures": [], "notes": [*problem.notes, *json.loads(data.attrs.get("findings", "[]"))],
         "thresholds": {"r_hat_max": settings.thresholds.r_hat, "ess_min": settings.thresholds.ess,
                        "autocorrelation_times_min": settings.thresholds.lengths},
     }  # fmt: skip

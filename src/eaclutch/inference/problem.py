@@ -27,6 +27,8 @@ class Problem:
     ``posterior`` False: theta are prior draws. observed (points,): the data, in ``data_unit``,
     with coordinates ``coords`` {name: (points,)}. derived(theta, rng) -> {name: (draws,)}: further variables
     of the posterior (marginalised levels drawn again, constants). ``notes``: what a reader must know.
+    ``wider``: the same data under a law with one parameter more, the last one, at whose neutral value both laws are
+    the same: a check of this one.
     ``fingerprint``: hashes of data, model and settings by name; ``sampled`` hyperparameters are part of priors.
     """
 
@@ -42,6 +44,7 @@ class Problem:
     derived: Callable[[FloatArray, np.random.Generator], Mapping[str, FloatArray]] | None = None
     derived_units: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
+    wider: Problem | None = None
     fingerprint: Mapping[str, str] = field(default_factory=dict)
 
     @property

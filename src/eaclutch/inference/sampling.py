@@ -20,6 +20,7 @@ from eaclutch.inference.start import starting_walkers
 from eaclutch.records import FloatArray
 
 BURN_IN = 0.05  # share of the steps after warm-up that is dropped too
+NEGLIGIBLE = 30.0  # nats by which a mode is below the best one for its search to have failed
 
 
 @dataclass(frozen=True)
@@ -114,9 +115,16 @@ def _burned(steps: int) -> int:
 def _begin(problem: Problem, settings: SamplerSettings, seed: int) -> Checkpoint:
     """Search, warm up, fit the jump targets; the state after that is where the kept chain starts."""
     walkers, size = settings.walkers_for(len(problem.priors)), len(problem.priors)
-    warm = []
-    for sequence in np.random.SeedSequence(seed).spawn(settings.ensembles):
-        start = starting_walkers(problem.log_density, size, walkers, np.random.default_rng(sequence))
+    sequences, warm = np.random.SeedSequence(seed).spawn(settings.ensembles), []
+    starts = [
+        starting_walkers(problem.log_density, size, walkers, np.random.default_rng(sequence))
+        for sequence in sequences
+    ]
+    best = max(starts, key=lambda start: start.density)
+    for sequence, start in zip(sequences, starts, strict=True):
+        if start.density < best.density - NEGLIGIBLE:
+            rng = np.random.default_rng(sequence)
+            start = starting_walkers(problem.log_density, size, walkers, rng, best.mode)
         random: Any = np.random.RandomState(np.random.MT19937(sequence.spawn(1)[0])).get_state()
         target = Target(start.mode, start.root)
         position, density = start.walkers, problem.log_density(start.walkers)

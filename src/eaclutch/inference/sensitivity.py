@@ -60,7 +60,7 @@ def _moved(values: FloatArray, weight: FloatArray) -> float:
     return float(abs(covariance) * np.log(2) / sd)
 
 
-def warnings_of(stage: str, rows: dict[str, dict[str, Any]]) -> list[str]:
+def warnings_of(rows: dict[str, dict[str, Any]]) -> list[str]:
     """A sentence for every parameter whose data contradict its prior, and one for those that the prior drives."""
     found = [
         f"{name}: the data pull {row['pull']:+.1f} standard errors away from the prior"
@@ -70,4 +70,4 @@ def warnings_of(stage: str, rows: dict[str, dict[str, Any]]) -> list[str]:
     prior_led = [name for name, row in rows.items() if row["driven_by"] == "prior"]
     if prior_led:
         found.append(f"driven by the prior: {', '.join(prior_led)}")
-    return [f"{stage}: {line}" for line in found]
+    return found

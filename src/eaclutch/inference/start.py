@@ -20,13 +20,18 @@ class Start:
     walkers: FloatArray  # (walkers, params) in normal coordinates, all of finite density
     mode: FloatArray
     root: FloatArray  # Cholesky root of the covariance at the mode
+    density: float  # log density at the mode
     evaluations: int
 
 
 def starting_walkers(
-    log_density: Callable[[FloatArray], FloatArray], size: int, walkers: int, rng: np.random.Generator
+    log_density: Callable[[FloatArray], FloatArray],
+    size: int,
+    walkers: int,
+    rng: np.random.Generator,
+    begin: FloatArray | None = None,
 ) -> Start:
-    """Search a mode from the best of some prior draws, then spread walkers around it.
+    """Search a mode from the best of some prior draws (or from ``begin``), then spread walkers around it.
 
     All finite-difference columns of the gradient are one batched call. Raises ValueError where no prior draw
     has a finite density.
@@ -49,7 +54,7 @@ def starting_walkers(
         batch = np.where(np.isfinite(batch), batch, -1e12)
         return -float(batch[0]), -(batch[1 : size + 1] - batch[size + 1 :]) / (2 * STEP)
 
-    best = trial[np.argmax(np.where(np.isfinite(values), values, -np.inf))]
+    best = trial[np.argmax(np.where(np.isfinite(values), values, -np.inf))] if begin is None else begin
     found = minimize(cost, best, jac=True, method="L-BFGS-B", options={"maxiter": 200})
     covariance = _covariance(density, found.x)
     root: FloatArray = np.asarray(np.linalg.cholesky(covariance))
@@ -59,7 +64,7 @@ def starting_walkers(
         if not lost.any():
             break
         placed[lost] = found.x + 0.7 * (placed[lost] - found.x)
-    return Start(placed, found.x, root, evaluations)
+    return Start(placed, found.x, root, -float(found.fun), evaluations)
 
 
 def _covariance(density: Callable[[FloatArray], FloatArray], u: FloatArray) -> FloatArray:

@@ -95,6 +95,9 @@ def dielectric_problem(
         data_name="relative_permittivity", data_unit="1",
         coords={"frequency": np.exp(log_omega) / (2 * np.pi), "source": np.repeat([s.source for s in usable], counts)},
         notes=tuple(notes),
+        wider=None if havriliak_negami else dielectric_problem(
+            spectra, parameters, weights=weights, havriliak_negami=True
+        ),
         fingerprint={"data": digest([data, log_omega, starts, weight]),
                      "model": digest([havriliak_negami, LEVEL_SCALE])},
     )  # fmt: skip
