@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from eaclutch.cli.inference import posterior, posterior_summary, predict
 from eaclutch.config import load_config
 from eaclutch.config.document import load_schema
+from eaclutch.inference import storage
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import Bench
 from eaclutch.rig.table import conditions_from_runs
@@ -20,8 +21,9 @@ jsonschema = pytest.importorskip("jsonschema")
 QUICK = {"walkers": 12, "check_every_steps": 100, "max_steps": 100, "stored_draws": 50, "ensembles": 2}
 
 
-def settings() -> str:
-    config = load_config([], {"posterior": QUICK, "predict": {"draws": 20}})
+def settings(form="linear") -> str:
+    chosen = {"posterior": QUICK, "predict": {"draws": 20}, "model": {"force_multiplier_form": form}}
+    config = load_config([], chosen)
     return json.dumps(
         {key: config[key] for key in ("posterior", "model", "priors", "predict")} | {"diagnosis.folds": 2}
     )
@@ -74,9 +76,9 @@ def call(command, *arguments):
     assert result.exit_code == 0, result.output
 
 
-def stage(name, folder, results, seed=1):
+def stage(name, folder, results, seed=1, form="linear"):
     where = results / "posterior"
-    call(posterior, name, "--campaign", folder, "--results", results, "--settings", settings(), "--seed", seed,
+    call(posterior, name, "--campaign", folder, "--results", results, "--settings", settings(form), "--seed", seed,
          "--output", where / f"{name}.nc", "--gate", where / f"{name}.gate.json")  # fmt: skip
     return json.loads((where / f"{name}.gate.json").read_text())
 
@@ -120,3 +122,19 @@ def test_from_nothing_but_logs_to_predictions(campaign):
     capacity = shown[(shown["observable"] == "shear_capacity_n") & ~shown["held_out"]]
     inside = (capacity["measured"] >= capacity["q05"]) & (capacity["measured"] <= capacity["q95"])
     assert inside.mean() > 0.7
+
+
+def test_a_multiplier_for_every_voltage(campaign):
+    folder, results = campaign
+    assert stage("force", folder, results, form="per_voltage")["source"] == "data"
+    draws = storage.load(results / "posterior" / "force.nc").draws
+    assert {n for n in draws if n.startswith("force_multiplier")} == {
+        "force_multiplier_200v", "force_multiplier_300v"
+    }  # fmt: skip
+    call(predict, "--campaign", folder, "--results", results, "--settings", settings("per_voltage"),
+         "--output", results / "runs_predicted.csv", "--coverage", results / "coverage.json")  # fmt: skip
+    table = pd.read_csv(results / "runs_predicted.csv")
+    capacity = table[table["observable"] == "shear_capacity_n"]
+    width = (capacity["q95"] - capacity["q05"]).groupby(capacity["held_out"]).mean()
+    # a condition that is left out takes its voltage along, whose multiplier then rests on its prior
+    assert width[True] > 1.5 * width[False]

@@ -12,7 +12,7 @@ import pandas as pd
 
 from eaclutch.inference.coverage import coverage_document, ranks
 from eaclutch.inference.draws import load_draws, with_prior_draws
-from eaclutch.inference.left_out import folds, refit_draws, without
+from eaclutch.inference.left_out import folds, refit_draws, unseen_voltages, without
 from eaclutch.inference.posterior import StageInputs, force_response
 from eaclutch.inference.prediction import Measured, Predicted, predict_runs, replicate
 from eaclutch.inference.repeatability import Scatter
@@ -65,7 +65,10 @@ class _Campaign:
         status = {name: np.full(len(labels), "", dtype=object) for name in self.measured.values}
         for group in folds(labels, parts, rng):
             rows = np.flatnonzero(np.isin(names, sorted(group)))
-            part = self.predicted(rows, {**joint, **self.refit(rows, rng)}, rng)
+            refit = self.refit(rows, rng)
+            if refit and self.inputs.multiplier_form == "per_voltage":
+                refit |= unseen_voltages(joint, refit, self.draws, rng)
+            part = self.predicted(rows, {**joint, **refit}, rng)
             for name in replicated:
                 replicated[name][:, rows] = part.replicated[name]
                 status[name][rows] = part.status[name]

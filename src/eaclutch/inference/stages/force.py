@@ -31,6 +31,8 @@ from eaclutch.records import FloatArray, RunConditions
 
 Form = Literal["none", "constant", "linear", "per_voltage"]
 LEVEL, SLOPE = "force_multiplier_level", "force_multiplier_slope"
+MULTIPLIER = "force_multiplier_"
+VOLTAGE_PRIOR = Prior("lognormal", 1.0, 0.2)  # of a voltage's own multiplier
 
 
 @dataclass(frozen=True)
@@ -53,10 +55,7 @@ class MultiplierLaw:
             return cls(form, (level, parameters[SLOPE]), weights)
         levels = np.unique(voltage)
         named = tuple(
-            Parameter(
-                f"force_multiplier_{v:g}v", "1", level.bounds, level.default, Prior("lognormal", 1.0, 0.2)
-            )
-            for v in levels
+            Parameter(f"{MULTIPLIER}{v:g}v", "1", level.bounds, level.default, VOLTAGE_PRIOR) for v in levels
         )
         return cls(form, named, (voltage[None, :] == levels[:, None]).astype(float))
 
@@ -80,7 +79,8 @@ def force_problem(
 ) -> Problem:
     """The force stage. ``parameters`` holds the multiplier's level and slope with their priors."""
     if data is None or response is None or not len(data.capacity):
-        law = MultiplierLaw.of("linear" if form == "per_voltage" else form, np.zeros(0), parameters)
+        # no voltage, no level of its own: one for all is what a prediction can use
+        law = MultiplierLaw.of("constant" if form == "per_voltage" else form, np.zeros(0), parameters)
         return Problem("force", Priors.of(law.parameters), notes=("no usable shear capacity",))
     runs = data.conditions
     law = MultiplierLaw.of(form, runs.voltage, parameters)
