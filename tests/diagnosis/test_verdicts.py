@@ -50,7 +50,7 @@ def compliant():
 
 @pytest.fixture(scope="module")
 def plain():
-    return diagnose(inputs())
+    return diagnose(inputs(seed=6))
 
 
 @pytest.fixture(scope="module")

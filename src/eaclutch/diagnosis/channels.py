@@ -62,6 +62,7 @@ class Channel:
 # leaving it out because of its sign would bias the rest. The final force is the baseline shift plus the
 # friction before, which the model is given, so only the shift counts. The damping of the ring-down carries no
 # name: what damps the swing of a tip that touches the strip now and then is in no law here.
+FORCE_SCALE = 0.1  # N, of the baseline shift
 CHANNELS: tuple[Channel, ...] = (
     Channel("engagement_time_s", "s", "engage", "engage", "linear", 1e-3, resolvable=False),
     Channel("ramp_rate_early_n_s", "N/s", "ramp", "ramp", "linear", 9.0, window_end=5e-3),
@@ -75,5 +76,5 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("release_time_90_s", "s", "release", "release", "linear", 5e-4),
     Channel("ringdown_frequency_hz", "Hz", "ringdown", "ringdown", "log"),
     Channel("ringdown_damping_ratio", "1", "ringdown", "ringdown", "linear", 0.1, resolvable=False),
-    Channel("baseline_shift_n", "N", "after", "after", "linear", 0.1),
+    Channel("baseline_shift_n", "N", "after", "after", "linear", FORCE_SCALE),
 )

@@ -15,7 +15,7 @@ import pandas as pd
 from scipy import sparse
 
 from eaclutch.diagnosis.bench_channels import BenchEntries
-from eaclutch.diagnosis.channels import Channel
+from eaclutch.diagnosis.channels import FORCE_SCALE, Channel
 from eaclutch.diagnosis.repeatability import PRELOAD_EDGES, RepeatVariance, pooled_variance, shrunk_variance
 from eaclutch.records import FloatArray, RunConditions
 
@@ -23,7 +23,7 @@ IntArray = np.ndarray
 SWING_BLOCKS = ("release", "ringdown", "ringdown_damping", "after")  # what a run shows after switch-off
 SLIPPING_SHARE = 0.4  # of the load cell's quarter period
 STRAY_SDS = 6.0
-SESSION_DOF = 4.0  # what the pooled repeat variance weighs against a session's own
+SESSION_DOF = 2.0  # what the pooled repeat variance weighs against a session's own
 EARLY_SLIP = 0.15  # share of its largest force by which a run may slip too early
 
 
@@ -50,6 +50,7 @@ class DataVector:
     offset: np.ndarray
     family: np.ndarray
     features: FloatArray
+    friction: FloatArray  # before the voltage, in units of the baseline shift's scale; 0 of bench entries
     average: sparse.csr_matrix
     bench: BenchEntries
     repeats: Mapping[str, RepeatVariance]
@@ -239,6 +240,8 @@ def _assemble(
     features = np.array([settings[rows].mean(axis=0) for _, rows, *_ in entries]).reshape(
         n, settings.shape[1]
     )
+    before = np.maximum(np.nan_to_num(conditions.friction_before), 0.0) / FORCE_SCALE
+    friction = np.array([before[rows].mean() for _, rows, *_ in entries])
     first = [rows[0] for _, rows, *_ in entries]
     wide = max(features.shape[1], bench.features.shape[1])
 
@@ -259,6 +262,7 @@ def _assemble(
         join([conditions.session[i] for i in first], bench.offset),
         join(["run"] * n, bench.block),
         np.concatenate([_widen(features, wide), _widen(bench.features, wide)]),
+        np.concatenate([friction, np.zeros(len(bench.values))]),
         average.tocsr(),
         bench,
         repeats,
