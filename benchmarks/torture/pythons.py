@@ -1,0 +1,91 @@
+"""The same numbers whatever the Python: the first commands of a run, by several interpreters, compared.
+
+    python benchmarks/torture/pythons.py --output docs/measurements/pythons.json /tmp/py3.12/bin/python ...
+
+Each interpreter must have the pinned requirements and this package in it (`pip install --require-hashes -r
+requirements.txt; pip install --no-deps -e .`); the one that runs this script is the reference. Logs to observables,
+the side benches, and two stages of calibration with short chains, on the fixture.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import platform
+import subprocess
+import sys
+import tempfile
+from datetime import date
+from pathlib import Path
+
+from run_bench import QUICK, tiny_campaign
+
+from eaclutch.config import load_config
+from eaclutch.files import write_json
+from eaclutch.manifest import content_hash
+from eaclutch.provenance import commit
+
+RUNS = 6
+
+
+def commands() -> list[list[str]]:
+    """Arguments of the commands, in their order; everything is written to the working directory."""
+    config = load_config([], QUICK)
+    settings = json.dumps({key: config[key] for key in ("posterior", "model", "priors")})
+    posterior = ["--campaign", "tiny", "--results", ".", "--settings", settings, "--seed", "1"]
+    found = [
+        ["capture-check", "--campaign", "tiny", "--output", "capture.json"],
+        ["observables", "--campaign", "tiny", "--capture", "capture.json", "--batch", "0", "--output", "batch.csv",
+         "--published", "published.csv", "--traces", "traces.npz"],
+        ["gap", "--campaign", "tiny", "--gap", "gap.csv", "--spectra", "spectra.csv", "--bursts", "bursts.csv"],
+    ]  # fmt: skip
+    for stage in ("dielectric", "load_cell"):
+        files = ["--output", f"posterior/{stage}.nc", "--gate", f"posterior/{stage}.gate.json"]
+        found.append(["posterior", stage, *posterior, *files])
+    return found
+
+
+def results(python: str, folder: Path) -> dict[str, str]:
+    """Content of all that the commands write, by file."""
+    tiny_campaign(folder / "tiny", runs=RUNS)
+    (folder / "posterior").mkdir()
+    for command in commands():
+        subprocess.run([python, "-m", "eaclutch", *command], cwd=folder, check=True)
+    return {
+        str(path.relative_to(folder)): content_hash(path)
+        for path in sorted(folder.rglob("*"))
+        if path.suffix in (".csv", ".json", ".nc") and "tiny" not in path.parts
+    }
+
+
+def main() -> None:
+    """Run the commands by each interpreter and write which files differ from the reference's."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--output", type=Path, required=True)
+    parser.add_argument("pythons", nargs="+", help="interpreters to compare with the one that runs this")
+    chosen = parser.parse_args()
+    with tempfile.TemporaryDirectory() as place:
+        reference = results(sys.executable, Path(place, "reference"))
+        different = {}
+        for number, python in enumerate(chosen.pythons):
+            version = subprocess.run(
+                [python, "-VV"], capture_output=True, text=True, check=True
+            ).stdout.split()[1]
+            found = results(python, Path(place, str(number)))
+            names = sorted({*found, *reference})
+            different[version] = [name for name in names if found.get(name) != reference.get(name)]
+            print(version, len(found), "files, different:", different[version], flush=True)
+    result = {
+        "command": "python benchmarks/torture/pythons.py --output docs/measurements/pythons.json <pythons>",
+        "date": date.today().isoformat(),
+        "commit": commit(),
+        "reference": platform.python_version(),
+        "files": sorted(reference),
+        "different": different,
+    }
+    write_json(chosen.output, result)
+    sys.exit(any(different.values()))
+
+
+if __name__ == "__main__":
+    main()
