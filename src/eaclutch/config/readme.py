@@ -20,8 +20,8 @@ Written from `workflow/schemas/config.schema.yaml` by `eaclutch config-readme`; 
 `snakemake --cores all --configfile config/published.yaml mine.yaml --config campaign=<folder>`: later files win,
 `--config` wins over all. A relative path belongs to the file that states it; on the command line, to the working
 directory. Configs are trusted like code: Snakemake runs Python in a file that asks for it. Campaign folders are not
-trusted. Wrong keys and values stop with one line `eaclutch: error: ...`; a config file that is not there, or is no YAML, stops
-before that, in Snakemake's own words, which name it.
+trusted. Wrong keys and values stop with one line `eaclutch: error: ...`; a config file that is not there, or is no
+YAML, stops before that, in Snakemake's own words, which name it.
 
 | key | default | values | meaning |
 |---|---|---|---|

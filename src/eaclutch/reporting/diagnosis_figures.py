@@ -86,6 +86,8 @@ def by_observable_figure(results: Results) -> Picture | None:
     if not rows:
         return None
     rows.sort(key=lambda row: row[2]["before"] / row[1])
+    if results.diagnosis["verdict"]["effects"] in ([], ["unknown"]):  # nothing was added to the model
+        rows = [(name, size, {**entry, "after": None}) for name, size, entry in rows]
     with canvas(1.4 + 0.3 * len(rows)) as (figure, axes):
         for y, (_, size, entry) in enumerate(rows):
             share = 100 / size
@@ -116,9 +118,10 @@ def by_observable_figure(results: Results) -> Picture | None:
         handles = [
             axes.plot([], [], "o", color=VERMILION, label="as it is, p < 0.05")[0],
             axes.plot([], [], "o", color=GREY, label="as it is, p ≥ 0.05")[0],
-            axes.plot([], [], "s", color=GREEN, mfc="white", mew=1.6, label="with the verdict")[0],
             axes.plot([], [], "|", color=INK, ms=13, mew=1.6, ls="", label="noise floor")[0],
         ]
+        if any(entry.get("after") is not None for *_, entry in rows):
+            handles += axes.plot([], [], "s", color=GREEN, mfc="white", mew=1.6, label="with the verdict")
         figure.legend(handles=handles, loc="outside upper left", ncols=2, fontsize=8.5)
         name, _, worst = rows[-1]
         info = results.observables.get(name)

@@ -12,6 +12,7 @@ from eaclutch.reporting.words import effect_words, number, observable_words, per
 
 LEADING = ("shear_capacity_n", "release_time_90_s")  # whose missing values the first screen counts
 MOST_PLACES = 3
+TELLING = 0.02  # nats; runs that promise less tell nothing
 REASONS = {
     "no_voltage": "the voltage never came on",
     "no_zero": "no stretch without contact: absolute forces hold the session's zero",
@@ -128,12 +129,19 @@ def next_line(diagnosis: Mapping[str, Any]) -> str:
     if not entries:
         return ""
     best = entries[0]
+    gain = f"expected gain {number(best['information_nats'], 2)} nats"
+    if best["information_nats"] < TELLING:
+        where = (
+            ": look for what is missing where the gap sits"
+            if diagnosis["verdict"]["effects"] == ["unknown"]
+            else ""
+        )
+        return f"No run within the rig's limits would tell apart what was weighed ({gain} at most){where}."
     frequency = "DC" if best["frequency_hz"] == 0.1 else f"{plain(best['frequency_hz'])} Hz"
     apart = " from ".join(set_words(name) for name in best["separates"])
     return (
         f"{best['runs']} runs at {plain(best['voltage_v'])} V, {frequency}, width {plain(best['width_mm'])} mm, "
-        f"preload {plain(best['preload_n'])} N would best tell {apart} "
-        f"(expected gain {number(best['information_nats'], 2)} nats)."
+        f"preload {plain(best['preload_n'])} N would best tell {apart} ({gain})."
     )
 
 

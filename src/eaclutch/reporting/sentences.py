@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from eaclutch.reporting.results import Results
@@ -23,12 +23,14 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
     if not effects:
         return (
             "No gap beyond repeatability: the model predicts what it has not seen as well as repeats allow "
-            f"(probability {probability})."
+            f"(probability {probability}{_not_ruled_out(others)})."
         )
     if effects == ["unknown"]:
-        return (
-            f"There is a gap, and nothing in the library of effects explains it (probability {probability})."
+        weighed = sum(cause["effect"] not in ("none", "unknown") for cause in diagnosis.get("causes", []))
+        which = (
+            f"none of the {weighed} effects weighed" if weighed > 1 else "nothing in the library of effects"
         )
+        return f"There is a gap, and {which} explains it (probability {probability}{_not_ruled_out(others)})."
     named = effect_words(effects)
     closed = closure_words(diagnosis.get("closure") or {})
     further = [sorted(set(names) - set(effects)) for names in others if set(names) > set(effects)]
@@ -45,6 +47,12 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
         closed += f"; whether {listed} is needed for that, these data cannot tell"
     partly = "partly " if _left(diagnosis) else ""
     return f"The gap is {partly}explained by {named} (probability {probability}){closed}."
+
+
+def _not_ruled_out(others: Sequence[Sequence[str]]) -> str:
+    """``; no gap is not ruled out``, or nothing where there is no alternative."""
+    listed = " or ".join(effect_words(names) for names in others)
+    return f"; {listed} is not ruled out" if listed else ""
 
 
 def _left(diagnosis: Mapping[str, Any]) -> bool:
