@@ -73,7 +73,7 @@ def test_the_first_screen_says_the_verdict_and_its_caveats(results_folder: Path)
     [
         ({"effects": []}, "No gap beyond repeatability"),
         ({"effects": ["unknown"]}, "nothing in the library of effects explains it"),
-        ({"effects": ["unknown"], "alternatives": [[]]}, "no gap is not ruled out"),
+        ({"effects": ["unknown"], "alternatives": [[]]}, "that there is no gap cannot be ruled out"),
         (
             {"alternatives": [["gap_tilt", "trapped_charge"]]},
             "whether gap tilt adds to it, these data cannot tell",

@@ -50,9 +50,9 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
 
 
 def _not_ruled_out(others: Sequence[Sequence[str]]) -> str:
-    """``; no gap is not ruled out``, or nothing where there is no alternative."""
-    listed = " or ".join(effect_words(names) for names in others)
-    return f"; {listed} is not ruled out" if listed else ""
+    """``; that there is no gap cannot be ruled out``, or nothing where there is no alternative."""
+    listed = " or ".join(effect_words(names) if names else "that there is no gap" for names in others)
+    return f"; {listed} cannot be ruled out" if listed else ""
 
 
 def _left(diagnosis: Mapping[str, Any]) -> bool:
