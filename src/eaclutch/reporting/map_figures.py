@@ -38,35 +38,34 @@ def level_words(name: str, level: float) -> str:
     return f"{axis_words(name)} {short(level, 3)} {unit}".strip()
 
 
-def map_picture(
+def map_pictures(
     name: str, axes_of: tuple[str, str], x: FloatArray, y: FloatArray, quantiles: Mapping[str, FloatArray]
-) -> Picture:
-    """Medians as colours with contour lines, a panel an observable; hatched: no value in most draws.
+) -> list[Picture]:
+    """A picture an observable: medians as colours with contour lines; grey: no value in most draws.
 
-    ``quantiles[observable]``: (3, y, x), the 5, 50 and 95 % levels. The caption states the half-widths of the band.
+    ``quantiles[observable]``: (3, y, x), the 5, 50 and 95 % levels. The caption states the half-width of the band.
     """
-    with canvas(height=3.4, columns=3, width=11) as (figure, panels):
-        bands = []
-        for panel, (observable, (label, scale)) in zip(panels, SHOWN.items(), strict=True):
-            low, median, high = quantiles[observable] * scale
+    pictures = []
+    for observable, (label, scale) in SHOWN.items():
+        low, median, high = quantiles[observable] * scale
+        with canvas(height=3.4) as (figure, panel):
             panel.grid(False)
             panel.set_facecolor("#e4e7ec")
+            text = f"{label.partition(' (')[0].capitalize()}: no value here."
             if np.isfinite(median).any():
                 shown = panel.pcolormesh(x, y, median, cmap="cividis", shading="nearest", rasterized=True)
-                figure.colorbar(shown, ax=panel)
+                figure.colorbar(shown, ax=panel, label=label)
                 lines = panel.contour(x, y, median, levels=6, colors="white", linewidths=0.7)
                 panel.clabel(lines, fontsize=7, fmt="%.3g")
-                bands.append(
-                    f"{label.split(' (')[0]} ±{100 * np.nanmedian((high - low) / (2 * median)):.0f} %"
+                band = 100 * np.nanmedian((high - low) / (2 * median))
+                text = (
+                    f"{label.partition(' (')[0].capitalize()}, median; the 90 % band is typically ±{band:.0f} % wide. "
+                    "Grey: no value in most draws."
                 )
-            else:
-                panel.text(0.5, 0.5, "no value here", transform=panel.transAxes, ha="center")
-            panel.set(title=label, xlabel=AXIS[axes_of[0]], ylabel=AXIS[axes_of[1]])
-        text = (
-            f"Medians over {axis_words(axes_of[0])} and {axis_words(axes_of[1])}; grey: no value in most draws. "
-            f"Typical half-width of the 90 % band: {', '.join(bands)}."
-        )
-        return picture(figure, name, f"Maps over {axis_words(axes_of[0])} and {axis_words(axes_of[1])}", text)
+            panel.set(xlabel=AXIS[axes_of[0]], ylabel=AXIS[axes_of[1]])
+            alt = f"Map of {label} over {axis_words(axes_of[0])} and {axis_words(axes_of[1])}"
+            pictures.append(picture(figure, f"{name}-{observable.replace('_', '-')}", alt, text))
+    return pictures
 
 
 def probability_picture(

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, Protocol
 
 from eaclutch.records import FloatArray
-from eaclutch.reporting.map_figures import AXIS, axis_words, level_words, map_picture, probability_picture
+from eaclutch.reporting.map_figures import AXIS, axis_words, level_words, map_pictures, probability_picture
 from eaclutch.reporting.study_page import Section, Table, render_study
 
 
@@ -61,7 +61,7 @@ def map_page(
     for i, (pad, drawn) in enumerate(maps):
         names = (drawn.x_name, drawn.y_name)
         quantiles = {observable: drawn.quantiles(observable) for observable in drawn.values}
-        pictures = [map_picture(f"map{i}", names, drawn.x, drawn.y, quantiles)]
+        pictures = map_pictures(f"map{i}", names, drawn.x, drawn.y, quantiles)
         met = drawn.probability(limits)
         pictures.append(probability_picture(f"met{i}", names, drawn.x, drawn.y, met, wanted))
         kind = pad.replace("_", " ").capitalize()
