@@ -60,8 +60,8 @@ class Channel:
 
 # Times and rates are linear in units of what the rig typically shows: a time near zero has no logarithm, and
 # leaving it out because of its sign would bias the rest. The final force is the baseline shift plus the
-# friction before, which the model is given, so only the shift counts. The damping of the ring-down carries no
-# name: what damps the swing of a tip that touches the strip now and then is in no law here.
+# friction before, which the model is given, so only the shift counts. The ring-down carries no name: the model's
+# is that of the bare tip, and a strip that touches the tip while it swings makes it another oscillator.
 FORCE_SCALE = 0.1  # N, of the baseline shift
 CHANNELS: tuple[Channel, ...] = (
     Channel("engagement_time_s", "s", "engage", "engage", "linear", 1e-3, resolvable=False),
@@ -74,7 +74,7 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("release_time_10_s", "s", "release", "release", "linear", 5e-4),
     Channel("release_time_50_s", "s", "release", "release", "linear", 5e-4),
     Channel("release_time_90_s", "s", "release", "release", "linear", 5e-4),
-    Channel("ringdown_frequency_hz", "Hz", "ringdown", "ringdown", "log"),
+    Channel("ringdown_frequency_hz", "Hz", "ringdown", "ringdown", "log", resolvable=False),
     Channel("ringdown_damping_ratio", "1", "ringdown", "ringdown", "linear", 0.1, resolvable=False),
     Channel("baseline_shift_n", "N", "after", "after", "linear", FORCE_SCALE),
 )

@@ -29,6 +29,10 @@ NEARLY_OFF = -1.5  # prior sds: a half-normal amplitude at a sixth of its scale
 SPREAD = 0.7  # prior sds, of the draws that a fit from scratch looks at
 BASE_STARTS = 4  # draws that a fit from scratch starts from, besides the defaults
 STARTS = 1  # of which so many are fitted
+ROUNDS = 2  # fits, each around a gap of the size that the one before found
+LARGEST_CHANGE = np.log(3.0)  # of that size from which another round is worth it
+# Tolerances beyond those that an evidence may take: around a large gap a fit must not bend the calibrated parameters.
+WIDER = (4.0, 8.0, 16.0)
 
 
 @dataclass(frozen=True)
@@ -38,7 +42,8 @@ class HypothesisFit:
     effects: the candidates on top of the campaign's model. linearised: at the mode, with the covariance of
     the most probable multipliers. residual (entries,): measured less predicted at the mode. signature
     (entries,): how far the effects themselves move the prediction. multipliers: the most probable (tolerance,
-    session). log_evidence: nats, averaged over the multipliers.
+    session). log_evidence: nats, averaged over the multipliers. peak: that of the most probable multipliers, however
+    wide; fits of one hypothesis from different starts are compared by it.
     """
 
     effects: tuple[str, ...]
@@ -48,6 +53,7 @@ class HypothesisFit:
     signature: FloatArray
     multipliers: tuple[float, float]
     log_evidence: float
+    peak: float
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -70,30 +76,61 @@ def fit_hypothesis(
     two effects alone; a first fit of the same data) make a further start, and the only one of a fit from scratch.
     """
     share = thresholds["signature_tolerance"]
+    best: HypothesisFit | None = None
+    size = (1.0, 1.0)
+    for _ in range(ROUNDS):
 
-    def covariance_at(theta: FloatArray) -> FloatArray:
-        if not forward.candidates:
-            return kernels.total()
-        return kernels.total(signature=own_signature(forward, theta), signature_tolerance=share)
+        def covariance_at(theta: FloatArray, size: tuple[float, float] = size) -> FloatArray:
+            tolerance, session = size
+            if not forward.candidates:
+                return kernels.total(tolerance=tolerance, session=session)
+            signature = own_signature(forward, theta)
+            return kernels.total(
+                tolerance=tolerance, session=session, signature=signature, signature_tolerance=share
+            )
 
-    starts = (
-        _scout(forward, base) if base is not None else [] if seeds else _prior_starts(forward, data, kernels)
-    )
+        found = [
+            _finish(forward, data, kernels, thresholds, find_mode(forward, data.values, covariance_at, start))
+            for start in _starts(forward, data, kernels, size, base, seeds)
+        ]
+        best = max([*found, *([best] if best else [])], key=lambda fitted: fitted.peak)
+        # around a gap of some size the base laws hold no better than that
+        if abs(np.log(best.multipliers[0] / size[0])) < LARGEST_CHANGE:
+            break
+        size = best.multipliers
+    assert best is not None
+    return best
+
+
+def _starts(
+    forward: Forward,
+    data: DataVector,
+    kernels: Kernels,
+    size: tuple[float, float],
+    base: HypothesisFit | None,
+    seeds: Mapping[str, float] | None,
+) -> list[FloatArray]:
+    """Where the fits of one hypothesis start, in prior coordinates."""
+    covariance = kernels.total(tolerance=size[0], session=size[1])
+    if base is not None:
+        starts = _scout(forward, base, covariance)
+    elif not seeds or size[0] > 1.0:
+        starts = _prior_starts(forward, data, covariance)
+    else:
+        starts = []
     if seeds:
-        starts = starts[1:]  # what is known stands in for the base fit, and does at least as well
         known = np.array([seeds.get(p.name, p.default) for p in forward.parameters])
-        starts.append(np.clip(forward.priors.to_normal(known), -5.0, 5.0))
-    found = [_finish(forward, data, kernels, thresholds, find_mode(forward, data.values, covariance_at, start))
-             for start in starts]  # fmt: skip
-    return max(found, key=lambda fitted: fitted.log_evidence)
+        # what is known stands in for the base fit, and does at least as well
+        starts = [*starts[1:], np.clip(forward.priors.to_normal(known), -5.0, 5.0)]
+    return starts
 
 
-def _prior_starts(forward: Forward, data: DataVector, kernels: Kernels) -> list[FloatArray]:
+def _prior_starts(forward: Forward, data: DataVector, covariance: FloatArray) -> list[FloatArray]:
     """Where a fit from scratch starts: the defaults, and the best of many draws around them."""
     default = forward.priors.to_normal(np.array([p.default for p in forward.parameters]))
     points = qmc.Sobol(len(default), scramble=False).random(2 * SCOUTS)[1:]
     u = default + SPREAD * ndtri(np.clip(points, 1e-6, 1 - 1e-6))
-    factor = cho_factor(kernels.total(), lower=True)
+    factor = cho_factor(covariance, lower=True)
     gap = data.values - forward.representative.predict(forward.priors.from_normal(u))
     cost = 0.5 * np.sum(gap.T * cho_solve(factor, gap.T), axis=0) + 0.5 * np.sum(u**2, axis=1)
     return [default, *(u[i] for i in np.argsort(cost)[:BASE_STARTS])]
@@ -105,13 +142,15 @@ def _finish(
     signature = own_signature(forward, mode.theta)
     residual = data.values - mode.predicted
     w = residual + mode.jacobian @ mode.u
-    evidence, multipliers = _marginal_evidence(w, mode.jacobian, kernels, thresholds, signature)
+    evidence, peak, multipliers = _marginal_evidence(w, mode.jacobian, kernels, thresholds, signature)
     covariance = kernels.total(
         tolerance=multipliers[0], session=multipliers[1],
         signature=signature, signature_tolerance=thresholds["signature_tolerance"],
     )  # fmt: skip
     linearised = Linearised(w, mode.jacobian, covariance)
-    return HypothesisFit(forward.candidates, mode, linearised, residual, signature, multipliers, evidence)
+    return HypothesisFit(
+        forward.candidates, mode, linearised, residual, signature, multipliers, evidence, peak
+    )
 
 
 def own_signature(forward: Forward, theta: FloatArray) -> FloatArray:
@@ -132,14 +171,14 @@ def neutral_parameters(forward: Forward, theta: FloatArray) -> FloatArray:
     return out
 
 
-def _scout(forward: Forward, base: HypothesisFit) -> list[FloatArray]:
+def _scout(forward: Forward, base: HypothesisFit, covariance: FloatArray) -> list[FloatArray]:
     """Starts (params,) in prior coordinates: the best of many draws of the effect's own parameters, with the
     calibrated ones where they would follow linearly."""
     u, own = _scouts(forward, base)
     if not own:
         return [u[0]]
     shift, cost = scout_shifts(forward, base)
-    factor = cho_factor(base.linearised.marginal(), lower=True)
+    factor = cho_factor(covariance + base.linearised.jacobian @ base.linearised.jacobian.T, lower=True)
     w = base.linearised.w - shift
     white = cho_solve(factor, w.T)
     score = -0.5 * np.sum(w.T * white, axis=0) - cost
@@ -184,16 +223,21 @@ def _marginal_evidence(
     kernels: Kernels,
     thresholds: Mapping[str, Any],
     signature: FloatArray,
-) -> tuple[float, tuple[float, float]]:
+) -> tuple[float, float, tuple[float, float]]:
+    """Evidence averaged over the usual multipliers, the largest of all, and where it is."""
     grid = thresholds["multipliers"]
     prior = jacobian @ jacobian.T
-    scores, pairs = [], []
-    for t, p_t in zip(grid["tolerance"]["values"], grid["tolerance"]["weights"], strict=True):
+    usual = dict(zip(grid["tolerance"]["values"], grid["tolerance"]["weights"], strict=True))
+    scores, weighted, pairs = [], [], []
+    for t in (*usual, *WIDER):
         for s, p_s in zip(grid["session"]["values"], grid["session"]["weights"], strict=True):
             covariance = kernels.total(
                 tolerance=t, session=s, signature=signature,
                 signature_tolerance=thresholds["signature_tolerance"],
             )  # fmt: skip
-            scores.append(log_normal(w, covariance + prior) + np.log(p_t * p_s))
+            scores.append(log_normal(w, covariance + prior))
             pairs.append((float(t), float(s)))
-    return float(logsumexp(scores)), pairs[int(np.argmax(scores))]
+            if t in usual:
+                weighted.append(scores[-1] + np.log(usual[t] * p_s))
+    best = int(np.argmax(scores))
+    return float(logsumexp(weighted)), float(scores[best]), pairs[best]
