@@ -13,16 +13,17 @@ import argparse
 import json
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from datetime import date
 from pathlib import Path
 
 import yaml
-from run_bench import LONGEST, QUICK, Bench, differences, mounted, state
+from disk_trials import disk_full, read_only
+from run_bench import LONGEST, Bench, differences, state
 
 from eaclutch.files import read_json, write_json
 from eaclutch.manifest import verify
@@ -44,51 +45,6 @@ def kills(bench: Bench, count: int) -> Iterator[dict]:
         runs += 1
         shutil.rmtree(work)
         yield {"kills": done, "runs_finished": runs, "resumes_failed": failed, "different": list(different)}
-
-
-def disk_full(bench: Bench) -> dict:
-    """A small disk that fills up in each stage in turn, then grows; the same command then ends well."""
-    place = bench.folder / "small"
-    if reason := mounted(["-t", "tmpfs", "-o", "size=64k", "tmpfs"], place):
-        return {"skipped": reason}
-    sizes, statuses, told = [64, 256, 400, 700, 1000, 1400, 1800, 2300], [], 0
-    try:
-        for size in sizes:
-            subprocess.run(["mount", "-o", f"remount,size={size}k", str(place)], check=True)
-            statuses.append(bench.finish(place))
-            told += statuses[-1] != 0
-        subprocess.run(["mount", "-o", "remount,size=200m", str(place)], check=True)
-        last = bench.finish(place)
-        return {
-            "sizes_kb": sizes, "statuses": statuses, "status_with_room": last,
-            "different": differences(place, bench.reference), "error_lines": sorted(set(bench.last_lines(place)))[:8],
-        }  # fmt: skip
-    finally:
-        subprocess.run(["umount", "-l", str(place)], check=False)
-
-
-def read_only(bench: Bench) -> dict:
-    """A campaign on a read-only mount."""
-    place = bench.folder / "ro"
-    place.mkdir()
-    if reason := mounted(["--bind", str(bench.folder / "tiny")], place / "") or mounted(
-        ["-o", "remount,ro,bind"], place
-    ):
-        return {"skipped": reason}
-    try:
-        config = bench.folder / "ro.yaml"
-        config.write_text(yaml.safe_dump(QUICK | {"campaign": "ro"}))
-        work = bench.folder / "readonly"
-        return {"status": bench.finish(work, config), "different": differences_but_manifest(work, bench)}
-    finally:
-        subprocess.run(["umount", "-l", str(place)], check=False)
-
-
-def differences_but_manifest(work: Path, bench: Bench) -> list[str]:
-    """Where the campaign's folder has another name, the manifest and the page's provenance name it."""
-    return [
-        name for name in differences(work, bench.reference) if name not in ("manifest.json", "report.html")
-    ]
 
 
 def removed(bench: Bench) -> dict:
@@ -176,6 +132,9 @@ def main() -> None:
     parser.add_argument("--kills", type=int, default=50)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--output", type=Path, required=True)
+    parser.add_argument(
+        "--folder", type=Path, help="kept, with the undisturbed run in it, for further trials"
+    )
     parser.add_argument("trials", nargs="*", help="of " + ", ".join(TRIALS))
     chosen = parser.parse_args()
     result: dict = {"trials": {}}
@@ -190,7 +149,7 @@ def main() -> None:
         write_json(chosen.output, result)
         print(name, json.dumps(found), flush=True)
 
-    with tempfile.TemporaryDirectory() as folder:
+    with nullcontext(chosen.folder) if chosen.folder else tempfile.TemporaryDirectory() as folder:
         bench = Bench(Path(folder), chosen.seed)
         status = bench.run_reference()
         stands = verify(bench.folder / "reference" / "results" / "tiny")
