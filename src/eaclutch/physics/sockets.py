@@ -22,6 +22,9 @@ class Sockets:
     rise_time_constant: FloatArray | float = 0.0  # s; 0 = step
     fall_time_constant: FloatArray | float = 0.0  # s; 0 = step
     drive_delay: FloatArray | float = 0.0  # s; between the logged edge and the film's, both edges
+    field_lag: FloatArray | float = (
+        0.0  # s; by which the edge lags beyond the drive's own: dipoles keep up with it
+    )
     # dielectric: kappa while driven, and how it relaxes after a change of the field
     kappa_driven: FloatArray | float = np.nan  # NaN = kappa_static
     relaxing: FloatArray | float = 0.0  # 1: Cole-Cole history after each edge, 0: kappa constant

@@ -116,12 +116,21 @@ def test_slow_drive_adds_to_the_drive_that_is_there(fill):
     np.testing.assert_allclose(filled.fall_time_constant, [5.5e-6, 5.5e-6, 9e-6, 5.5e-6])
 
 
+def test_dipoles_keep_up_with_a_slow_edge(fill, inputs):
+    # a lag of three relaxation times leaves a quarter of the relaxation after a step
+    tau = float(inputs.parameters["relaxation_time"])
+    filled = fill("dielectric_relaxation", sockets=Sockets(field_lag=3.0 * tau), strength=1.0)
+    np.testing.assert_allclose(filled.relaxing, 0.25)
+
+
 def test_contact_ages_with_the_load_that_the_stage_takes_up(fill, inputs):
     # 2 N take 0.22200 s; a force that is not known counts as 1 N, none at all as 0.02 N
     forces = np.array([2.0, np.nan, -0.1, 1.0])
     object.__setattr__(inputs.conditions, "switch_off_force", forces)
     filled = fill("contact_aging", rate=0.05, onset_time=0.1)
-    np.testing.assert_allclose(filled.static_factor_ramp, [1.05846910, 1.03733442, 1.00109786, 1.03733442], rtol=1e-7)
+    np.testing.assert_allclose(
+        filled.static_factor_ramp, [1.05846910, 1.03733442, 1.00109786, 1.03733442], rtol=1e-7
+    )
 
 
 def test_gap_tilt_adds_in_quadrature(fill):

@@ -5,6 +5,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from eaclutch.physics.effect import STRENGTH, Effect, Inputs
 from eaclutch.physics.laws import permittivity
 from eaclutch.physics.sockets import Sockets
@@ -22,8 +24,10 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
         p["cole_cole_exponent"],
     )
     strength = values["strength"]
+    # dipoles keep up with a field that changes more slowly than they do, and do not relax as after a step
+    follows = 1.0 / (1.0 + np.asarray(sockets.field_lag) / p["relaxation_time"])
     return sockets.with_(
-        kappa_driven=p["kappa_static"] + strength * (kappa - p["kappa_static"]), relaxing=strength
+        kappa_driven=p["kappa_static"] + strength * (kappa - p["kappa_static"]), relaxing=strength * follows
     )
 
 

@@ -1,6 +1,7 @@
 """Slow drive: the pad's voltage lags by R C (V / 300 V)^p with C the closed pad's capacitance, so by more the wider
 the strip. p is 0 for a resistance in series with the pad, and 1 for a supply that is limited in current, whose slew
-takes C V / I; supplies lie in between. Two poles in a row are taken as one with the sum of the times."""
+takes C V / I; supplies lie in between. The film's dipoles keep up with an edge that is slower than they are. Two
+poles in a row are taken as one with the sum of the times."""
 
 from __future__ import annotations
 
@@ -22,6 +23,7 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
     return sockets.with_(
         rise_time_constant=sockets.rise_time_constant + lag,
         fall_time_constant=sockets.fall_time_constant + lag,
+        field_lag=sockets.field_lag + lag,
     )
 
 
