@@ -6,9 +6,9 @@ import time
 import numpy as np
 import pytest
 
-from eaclutch.rig.link.emulator import EmulatedRig
+from eaclutch.rig.link.emulator import EmulatedRig, turn_knobs
 from eaclutch.rig.link.faults import FAULTS
-from eaclutch.rig.link.protocol import Command, digest
+from eaclutch.rig.link.protocol import BenchSetting, Command, digest
 from eaclutch.rig.link.reader import LinkSettings, SerialLink
 from eaclutch.rig.link.synthetic import SHORT, SyntheticBench
 from eaclutch.rig.link.transfer import TransferFault, parse_transfer
@@ -100,3 +100,9 @@ def test_what_the_rig_says_of_itself_when_its_source_fails(tmp_path):
         with SerialLink(str(tmp_path / "rig"), SHORT, SETTINGS) as link, pytest.raises(TransferFault):
             link.transfer(COMMAND)
         assert rig.ended.is_set()
+
+
+def test_switched_off_it_leaves_nothing_behind(tmp_path):
+    with rig_at(tmp_path):
+        turn_knobs(tmp_path / "rig", BenchSetting(300.0, 1000.0, 2e-3, "brass"))
+    assert list(tmp_path.iterdir()) == []

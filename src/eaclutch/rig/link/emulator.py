@@ -103,6 +103,7 @@ class EmulatedRig:
         self.ended.set()
         self._thread.join()
         self._unplug()
+        setting_file(self.link).unlink(missing_ok=True)
         if self.failure is not None and kind is None:
             raise self.failure
 
