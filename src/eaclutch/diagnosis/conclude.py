@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from eaclutch.diagnosis.gate import adequacy, simulate_null
 from eaclutch.diagnosis.gaussian import leave_out
 from eaclutch.diagnosis.localise import localise
 from eaclutch.diagnosis.next_experiment import next_experiments
-from eaclutch.diagnosis.result import CandidateResult, condition_groups
+from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import Verdict, decide
 from eaclutch.diagnosis.weigh import NONE, by_effect, probabilities
@@ -23,7 +24,7 @@ CAMPAIGNS = 400  # simulated, for every p-value and the noise floor
 def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]:
     """diagnosis.json (contract) from the base model's result and all others."""
     base = next(r for r in results if r.effects == NONE)
-    linearised = study.base.linearised
+    linearised = with_readings(study.base, study.readings)
     _, groups = condition_groups(study.data)
     left = leave_out(linearised, groups)
     strict = study.kernels.total(tolerance=0.0, session=study.session_spread, scatter=False)
@@ -36,7 +37,7 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
     after = _after(verdict, results, base)
     simulated = null.strict @ left.prediction_error.T
     floor = float(np.median(study.cells.mean_square(simulated[:, : study.data.run_entries])))
-    sound = study.sound
+    sound = with_readings(replace(study.base, linearised=study.sound), study.readings)
     elsewhere = leave_out(sound, groups).prediction_error
     where = localise(
         study.data,

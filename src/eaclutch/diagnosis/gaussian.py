@@ -7,7 +7,7 @@ entries would give follows from the inverse of S.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,6 +27,22 @@ class Linearised:
     def marginal(self) -> FloatArray:
         """S, covariance of ``w`` with the parameters' prior in it, (entries, entries)."""
         return self.covariance + self.jacobian @ self.jacobian.T
+
+
+def posterior_mean(fit: Linearised) -> FloatArray:
+    """Parameters (params,) where all the data put them."""
+    mean: FloatArray = fit.jacobian.T @ np.linalg.solve(fit.marginal(), fit.w)
+    return mean
+
+
+def given(fit: Linearised, known: Mapping[int, float]) -> Linearised:
+    """The fit with some parameters held: {index: value in prior coordinates}."""
+    if not known:
+        return fit
+    held = np.array(list(known), dtype=int)
+    rest = np.setdiff1d(np.arange(fit.jacobian.shape[1]), held)
+    values = np.array(list(known.values()), dtype=float)
+    return Linearised(fit.w - fit.jacobian[:, held] @ values, fit.jacobian[:, rest], fit.covariance)
 
 
 def log_normal(w: FloatArray, covariance: FloatArray) -> float:

@@ -32,6 +32,11 @@ PEAKS = (
 )
 
 
+def of_the_reading(name: str) -> bool:
+    """Whether a parameter says how forces are read, and nothing of the clutch."""
+    return name.startswith(PREFIX) or name in (PEAK_SHARE, PEAK_NOISE)
+
+
 @dataclass(frozen=True)
 class Readings:
     """Sessions with an unknown zero, and which run holds which (runs,), -1 for none; ``peaks``: whether the

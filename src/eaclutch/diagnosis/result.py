@@ -12,7 +12,7 @@ from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.fit import HypothesisFit
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gate import adequacy, simulate_null
-from eaclutch.diagnosis.gaussian import leave_out
+from eaclutch.diagnosis.gaussian import Linearised, given, leave_out
 
 
 @dataclass(frozen=True)
@@ -58,19 +58,27 @@ def condition_groups(data: DataVector) -> tuple[tuple[str, ...], list[np.ndarray
     return names, [np.flatnonzero(data.condition == name) for name in names]
 
 
+def with_readings(fitted: HypothesisFit, readings: Mapping[str, float]) -> Linearised:
+    """A fit with the parameters of the reading held at ``readings`` (prior coordinates)."""
+    known = {i: readings[name] for i, name in enumerate(fitted.mode.names) if name in readings}
+    return given(fitted.linearised, known)
+
+
 def summarise(
     fitted: HypothesisFit,
     forward: Forward,
     data: DataVector,
     log_evidence_open: float,
+    readings: Mapping[str, float],
     rng: np.random.Generator,
 ) -> CandidateResult:
-    """Score a fit on left-out conditions and by the absolute gate."""
+    """Score a fit on left-out conditions and by the absolute gate; ``readings``: ``Study.readings``."""
     _, groups = condition_groups(data)
-    left = leave_out(fitted.linearised, groups)
-    null = simulate_null(fitted.linearised, fitted.linearised.covariance, rng, campaigns=200)
+    linearised = with_readings(fitted, readings)
+    left = leave_out(linearised, groups)
+    null = simulate_null(linearised, linearised.covariance, rng, campaigns=200)
     runs = data.condition != ""
-    adequate, blocks = adequacy(fitted.linearised, left, np.where(runs, data.block, ""), null)
+    adequate, blocks = adequacy(linearised, left, np.where(runs, data.block, ""), null)
     own, calibrated = {}, {}
     mode = fitted.mode
     for i, parameter in enumerate(forward.parameters):
@@ -84,7 +92,7 @@ def summarise(
         fitted.log_evidence,
         log_evidence_open,
         tuple(left.log_density.tolist()),
-        tuple((left.prediction_error @ fitted.linearised.w).tolist()),
+        tuple((left.prediction_error @ linearised.w).tolist()),
         tuple(fitted.residual.tolist()),
         tuple(fitted.signature.tolist()),
         adequate,

@@ -17,9 +17,10 @@ from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
 from eaclutch.diagnosis.fit import HypothesisFit, fit_hypothesis
 from eaclutch.diagnosis.forward import Forward
-from eaclutch.diagnosis.gaussian import Linearised, log_normal
+from eaclutch.diagnosis.gaussian import Linearised, log_normal, posterior_mean
 from eaclutch.diagnosis.mode import find_mode
 from eaclutch.diagnosis.nameless import Nameless, nameless_fit
+from eaclutch.diagnosis.readings import of_the_reading
 from eaclutch.diagnosis.result import CandidateResult, summarise
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.physics.model import ClutchModel
@@ -173,6 +174,16 @@ class Study:
         w = self.data.values - mode.predicted + mode.jacobian @ mode.u
         return Linearised(w, mode.jacobian, covariance)
 
+    @cached_property
+    def readings(self) -> dict[str, float]:
+        """How the bench reads forces, {parameter: value in prior coordinates}, from where the base model holds.
+
+        A condition that is left out is still read by the same bench, and no hypothesis may bend a zero to explain
+        its gap away: what is left out is predicted with these.
+        """
+        mean = posterior_mean(self.sound)
+        return {n: float(mean[i]) for i, n in enumerate(self.base.mode.names) if of_the_reading(n)}
+
     def forward(self, effects: Sequence[str]) -> Forward:
         return Forward(self.model(effects), self.data, effects, self.priors)
 
@@ -187,7 +198,9 @@ class Study:
     def weigh(self, effects: Sequence[str], seeds: Mapping[str, float] | None = None) -> CandidateResult:
         """Fit and score one hypothesis; ``seeds``: parameters to start from as well, by name."""
         fitted = self.fit(effects, seeds)
-        return summarise(fitted, self.forward(effects), self.data, self._open(fitted), self.generator(7))
+        return summarise(
+            fitted, self.forward(effects), self.data, self._open(fitted), self.readings, self.generator(7)
+        )
 
     def _open(self, fitted: HypothesisFit) -> float:
         """Evidence with a nameless remainder; worked out only where the effects explain something at all."""
