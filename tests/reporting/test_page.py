@@ -72,6 +72,7 @@ def test_the_first_screen_says_the_verdict_and_its_caveats(results_folder: Path)
     ("verdict", "words"),
     [
         ({"effects": []}, "No gap beyond repeatability"),
+        ({"effects": [], "alternatives": [["gap_tilt"]]}, "but gap tilt cannot be ruled out"),
         ({"effects": ["unknown"]}, "nothing in the library of effects explains it"),
         ({"effects": ["unknown"], "alternatives": [[]]}, "that there is no gap cannot be ruled out"),
         (

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from eaclutch.reporting.results import Results
-from eaclutch.reporting.sentences import place_words
+from eaclutch.reporting.sentences import gap_words, place_words
 from eaclutch.reporting.words import effect_words, number, observable_words, percent, plain
 
 LEADING = ("shear_capacity_n", "release_time_90_s")  # whose missing values the first screen counts
@@ -37,7 +37,9 @@ REASONS = {
 def glance(results: Results) -> list[tuple[str, str]]:
     """(head, sentence) of the lines beneath the verdict; heads without anything to say are left out."""
     lines = {
-        "Where": where_line(results.diagnosis),
+        "Where" if results.diagnosis["verdict"]["effects"] else "Largest misfit": where_line(
+            results.diagnosis
+        ),
         "How far": how_far_line(results.diagnosis),
         "Left out": left_out_line(results),
         "Next": next_line(results.diagnosis),
@@ -51,7 +53,7 @@ def where_line(diagnosis: Mapping[str, Any]) -> str:
     if not entries:
         return ""
     first, *others = [(place_words(entry), percent(entry.get("share"))) for entry in entries]
-    told = [f"{first[0]} ({first[1]} of the closable gap)"]
+    told = [f"{first[0]} ({first[1]} of the {gap_words(diagnosis)})"]
     told += [f"{place[:1].lower()}{place[1:]} ({share})" for place, share in others]
     return "; ".join(told) + "."
 
@@ -90,7 +92,8 @@ def left_out_line(results: Results) -> str:
     for name in (name for name in LEADING if name in runs):
         missing = int(runs.loc[used, name].isna().sum())
         if missing:
-            text += f"; {missing} more give no {observable_words(name)}"
+            more, verb = " more" if unused else "", "gives" if missing == 1 else "give"
+            text += f"; {missing}{more} {verb} no {observable_words(name)}"
     return text + "."
 
 

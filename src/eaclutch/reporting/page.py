@@ -96,7 +96,7 @@ def _level(diagnosis: Mapping[str, Any]) -> str:
     """none, unknown, tied or named: how the verdict is marked."""
     verdict = diagnosis["verdict"]
     if not verdict["effects"]:
-        return "none"
+        return "tied" if verdict.get("alternatives") else "none"
     if verdict["effects"] == ["unknown"]:
         return "unknown"
     return "tied" if verdict.get("alternatives") else "named"

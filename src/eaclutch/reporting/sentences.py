@@ -20,10 +20,13 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
     verdict = diagnosis["verdict"]
     effects, probability = verdict["effects"], percent(verdict.get("probability"))
     others = verdict.get("alternatives") or []
+    if not effects and others:
+        listed = " or ".join(effect_words(names) for names in others)
+        return f"Most probably there is no gap beyond repeatability ({probability}), but {listed} cannot be ruled out."
     if not effects:
         return (
             "No gap beyond repeatability: the model predicts what it has not seen as well as repeats allow "
-            f"(probability {probability}{_not_ruled_out(others)})."
+            f"(probability {probability})."
         )
     if effects == ["unknown"]:
         weighed = sum(cause["effect"] not in ("none", "unknown") for cause in diagnosis.get("causes", []))
@@ -114,16 +117,21 @@ def caveats(results: Results) -> list[str]:
 def where_sentences(diagnosis: Mapping[str, Any]) -> list[str]:
     """A sentence for each entry of ``where``, largest share first."""
     entries = sorted(diagnosis.get("where", []), key=lambda entry: -(entry.get("share") or 0))
-    return [where_sentence(entry) for entry in entries]
+    return [where_sentence(entry, gap_words(diagnosis)) for entry in entries]
 
 
-def where_sentence(entry: Mapping[str, Any]) -> str:
-    """What is off, at which level of which factor, by which share of the closable gap."""
+def gap_words(diagnosis: Mapping[str, Any]) -> str:
+    """What shares are shares of: without a gap, what lies beyond the floor is a misfit that chance may make."""
+    return "closable gap" if diagnosis["verdict"]["effects"] else "misfit"
+
+
+def where_sentence(entry: Mapping[str, Any], whole: str = "closable gap") -> str:
+    """What is off, at which level of which factor, by which share of the whole."""
     interval = entry.get("interval") or [None, None]
     share = percent(entry.get("share"))
     if None not in interval:
         share += f" ({percent(interval[0])} to {percent(interval[1])})"
-    return f"{place_words(entry)}: {share} of the closable gap, p = {number(entry.get('p_value'), 2)}."
+    return f"{place_words(entry)}: {share} of the {whole}, p = {number(entry.get('p_value'), 2)}."
 
 
 def place_words(entry: Mapping[str, Any]) -> str:
