@@ -16,15 +16,18 @@ from scipy import sparse
 
 from eaclutch.diagnosis.bench_channels import BenchEntries
 from eaclutch.diagnosis.channels import FORCE_SCALE, Channel
-from eaclutch.diagnosis.repeatability import PRELOAD_EDGES, RepeatVariance, pooled_variance, shrunk_variance
+from eaclutch.diagnosis.repeatability import (
+    PRELOAD_EDGES,
+    RepeatVariance,
+    pooled_variance,
+    run_variance,
+    session_share,
+)
+from eaclutch.diagnosis.screening import reaches, scaled_column, slips_at_switch_off, stray, zero_unknown
 from eaclutch.records import FloatArray, RunConditions
 
 IntArray = np.ndarray
 SWING_BLOCKS = ("release", "ringdown", "ringdown_damping", "after")  # what a run shows after switch-off
-SLIPPING_SHARE = 0.4  # of the load cell's quarter period
-STRAY_SDS = 6.0
-SESSION_DOF = 2.0  # what the pooled repeat variance weighs against a session's own
-EARLY_SLIP = 0.15  # share of its largest force by which a run may slip too early
 
 
 @dataclass(frozen=True)
@@ -97,11 +100,11 @@ def build(
         scaled, sd = scaled_column(table, channel)
         if carried is not None:
             sd = np.hypot(sd, carried[i])
-        scaled = np.where(_reaches(table, channel, ramp_rate), scaled, np.nan)
+        scaled = np.where(reaches(table, channel, ramp_rate), scaled, np.nan)
         if channel.block in SWING_BLOCKS:
             scaled = np.where(slipping, np.nan, scaled)
         if explained is not None:
-            scaled = np.where(_stray(scaled - explained[i], sd, groups), np.nan, scaled)
+            scaled = np.where(stray(scaled - explained[i], sd, groups), np.nan, scaled)
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
         repeat, spread = pooled_variance(scaled, conditions.friction_before, groups, bins), scaled
@@ -109,103 +112,14 @@ def build(
             other = pooled_variance(scaled - explained[i], conditions.friction_before, groups, bins)
             if other.variance < repeat.variance:
                 repeat, spread = other, scaled - explained[i]
-        variance = _run_variance(repeat, sd, np.isfinite(scaled), thresholds, channel.block)
-        variance = variance * _session_share(spread, repeat, conditions, groups, bins)
+        variance = run_variance(repeat, sd, np.isfinite(scaled), thresholds, channel.block)
+        variance = variance * session_share(spread, repeat, conditions, groups, bins)
         entries += _entries(scaled, variance, groups, len(kept))
         kept.append(channel)
         repeats[channel.name] = repeat
         values.append(scaled)
     run_values = np.array(values).reshape(len(kept), len(conditions))
     return _assemble(conditions, tuple(kept), entries, bench, repeats, groups, run_values, thresholds, table)
-
-
-def zero_unknown(table: pd.DataFrame) -> np.ndarray:
-    """Runs (runs,) that do not show the load cell's zero: their forces still hold it (contract: observables)."""
-    if "flags" not in table:
-        return np.zeros(len(table), dtype=bool)
-    return np.array(["no_zero" in str(flags).split(";") for flags in table["flags"]], dtype=bool)
-
-
-def slips_at_switch_off(table: pd.DataFrame, quarter_swing: float) -> np.ndarray:
-    """Runs (runs,) that were already slipping when the voltage fell: half of the force gone in a small part of
-    the time that the load cell needs from rest. The model starts from rest, so their release does not count."""
-    if "release_time_50_s" not in table:
-        return np.zeros(len(table), dtype=bool)
-    half = pd.to_numeric(table["release_time_50_s"], errors="coerce").to_numpy(dtype=float)
-    return half < SLIPPING_SHARE * quarter_swing
-
-
-def _stray(residual: FloatArray, sd: FloatArray, groups: IntArray) -> np.ndarray:
-    """Runs that stand far from their own repeats (three or more, so that the odd one out can be told)."""
-    apart = np.full(len(residual), np.nan)
-    for label in np.unique(groups):
-        rows = np.flatnonzero((groups == label) & np.isfinite(residual))
-        if len(rows) >= 3:
-            apart[rows] = residual[rows] - np.median(residual[rows])
-    known = np.isfinite(apart)
-    if np.count_nonzero(known) < 10:
-        return np.zeros(len(residual), dtype=bool)
-    spread = (
-        1.4826 * float(np.median(np.abs(apart[known & (apart != 0)]))) if np.any(apart[known] != 0) else 0.0
-    )
-    return known & (np.abs(apart) > STRAY_SDS * np.hypot(spread, sd))
-
-
-def _reaches(table: pd.DataFrame, channel: Channel, ramp_rate: float) -> np.ndarray:
-    """Runs whose ramp is still a ramp at the end of the channel's window: even a first slip that comes early, static
-    friction scatters, lies above the force that the stage reaches by then."""
-    if channel.window_end is None or "shear_capacity_n" not in table:
-        return np.ones(len(table), dtype=bool)
-    capacity = pd.to_numeric(table["shear_capacity_n"], errors="coerce").to_numpy(dtype=float)
-    before = np.zeros(len(table))
-    if "friction_before_n" in table:
-        before = np.nan_to_num(
-            pd.to_numeric(table["friction_before_n"], errors="coerce").to_numpy(dtype=float)
-        )
-    earliest = capacity - EARLY_SLIP * (capacity + np.abs(before))
-    return earliest > 1.1 * ramp_rate * channel.window_end
-
-
-def scaled_column(table: pd.DataFrame, channel: Channel) -> tuple[FloatArray, FloatArray]:
-    """An observable and its standard uncertainty on the comparison scale, (runs,) each."""
-    values = pd.to_numeric(table[channel.name], errors="coerce").to_numpy(dtype=float)
-    sd_name = f"{channel.name}_sd"
-    if sd_name in table:
-        sd = pd.to_numeric(table[sd_name], errors="coerce").to_numpy(dtype=float)
-    else:
-        sd = np.full(len(values), np.nan)
-    if channel.scale == "log":
-        # a positive quantity within two sds of zero has no usable logarithm
-        values = np.where(values > 2.0 * np.nan_to_num(sd), values, np.nan)
-    scaled = channel.forward(values)
-    return scaled, np.nan_to_num(channel.forward_sd(values, sd))
-
-
-def _run_variance(
-    repeat: RepeatVariance, sd: FloatArray, usable: np.ndarray, thresholds: Mapping[str, Any], block: str
-) -> FloatArray:
-    """Variance of a single run (runs,): each run's own extractor variance plus what repeats scatter beyond it."""
-    own = sd**2
-    typical = float(np.median(own[usable]))
-    prior = typical + thresholds["repeat_sd"].get(block, 0.02) ** 2
-    total = shrunk_variance(repeat, prior, thresholds["repeat_prior_dof"])
-    return np.maximum(total - typical, 0.1 * total) + own
-
-
-def _session_share(
-    spread: FloatArray, pooled: RepeatVariance, conditions: RunConditions, groups: IntArray, bins: IntArray
-) -> FloatArray:
-    """Each run's session's variance over the pooled one, (runs,): what shakes a bench on one day, a line of mains or
-    a pump, leaves it alone on the next. Drawn to the pooled one where a session has few repeats."""
-    share = np.ones(len(conditions))
-    if pooled.dof == 0 or not pooled.variance > 0:
-        return share
-    sessions = np.array(conditions.session, dtype=object)
-    for name in dict.fromkeys(conditions.session):
-        rows = sessions == name
-        own = pooled_variance(np.where(rows, spread, np.nan), conditions.friction_before, groups, bins)
-        share[rows] = shrunk_variance(own, pooled.variance, SESSION_DOF) / pooled.variance
-    return share
 
 
 def _entries(scaled: FloatArray, variance: FloatArray, groups: IntArray, channel: int) -> list[tuple]:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from eaclutch.records import FloatArray
+from eaclutch.records import FloatArray, RunConditions
 
+SESSION_DOF = 2.0  # what the pooled repeat variance weighs against a session's own
 PRELOAD_EDGES = (0.25, 0.75, 1.5)  # N; bins inside which one slope against preload is removed
 
 
@@ -60,3 +63,34 @@ def centred(values: FloatArray, groups: FloatArray) -> FloatArray:
     _, index = np.unique(groups, return_inverse=True)
     count = np.bincount(index)
     return values - (np.bincount(index, weights=values) / count)[index]
+
+
+def run_variance(
+    repeat: RepeatVariance, sd: FloatArray, usable: np.ndarray, thresholds: Mapping[str, Any], block: str
+) -> FloatArray:
+    """Variance of a single run (runs,): each run's own extractor variance plus what repeats scatter beyond it."""
+    own = sd**2
+    typical = float(np.median(own[usable]))
+    prior = typical + thresholds["repeat_sd"].get(block, 0.02) ** 2
+    total = shrunk_variance(repeat, prior, thresholds["repeat_prior_dof"])
+    return np.maximum(total - typical, 0.1 * total) + own
+
+
+def session_share(
+    spread: FloatArray,
+    pooled: RepeatVariance,
+    conditions: RunConditions,
+    groups: np.ndarray,
+    bins: np.ndarray,
+) -> FloatArray:
+    """Each run's session's variance over the pooled one, (runs,): what shakes a bench on one day, a line of mains or
+    a pump, leaves it alone on the next. Drawn to the pooled one where a session has few repeats."""
+    share = np.ones(len(conditions))
+    if pooled.dof == 0 or not pooled.variance > 0:
+        return share
+    sessions = np.array(conditions.session, dtype=object)
+    for name in dict.fromkeys(conditions.session):
+        rows = sessions == name
+        own = pooled_variance(np.where(rows, spread, np.nan), conditions.friction_before, groups, bins)
+        share[rows] = shrunk_variance(own, pooled.variance, SESSION_DOF) / pooled.variance
+    return share

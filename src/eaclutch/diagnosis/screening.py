@@ -1,0 +1,75 @@
+"""Which runs count for which observable: what a log shows that the model is not asked to predict is left out."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from eaclutch.diagnosis.channels import Channel
+from eaclutch.records import FloatArray
+
+SLIPPING_SHARE = 0.4  # of the load cell's quarter period
+STRAY_SDS = 6.0
+EARLY_SLIP = 0.15  # share of its largest force by which a run may slip too early
+
+
+def scaled_column(table: pd.DataFrame, channel: Channel) -> tuple[FloatArray, FloatArray]:
+    """An observable and its standard uncertainty on the comparison scale, (runs,) each."""
+    values = pd.to_numeric(table[channel.name], errors="coerce").to_numpy(dtype=float)
+    sd_name = f"{channel.name}_sd"
+    if sd_name in table:
+        sd = pd.to_numeric(table[sd_name], errors="coerce").to_numpy(dtype=float)
+    else:
+        sd = np.full(len(values), np.nan)
+    if channel.scale == "log":
+        # a positive quantity within two sds of zero has no usable logarithm
+        values = np.where(values > 2.0 * np.nan_to_num(sd), values, np.nan)
+    scaled = channel.forward(values)
+    return scaled, np.nan_to_num(channel.forward_sd(values, sd))
+
+
+def zero_unknown(table: pd.DataFrame) -> np.ndarray:
+    """Runs (runs,) that do not show the load cell's zero: their forces still hold it (contract: observables)."""
+    if "flags" not in table:
+        return np.zeros(len(table), dtype=bool)
+    return np.array(["no_zero" in str(flags).split(";") for flags in table["flags"]], dtype=bool)
+
+
+def slips_at_switch_off(table: pd.DataFrame, quarter_swing: float) -> np.ndarray:
+    """Runs (runs,) that were already slipping when the voltage fell: half of the force gone in a small part of
+    the time that the load cell needs from rest. The model starts from rest, so their release does not count."""
+    if "release_time_50_s" not in table:
+        return np.zeros(len(table), dtype=bool)
+    half = pd.to_numeric(table["release_time_50_s"], errors="coerce").to_numpy(dtype=float)
+    return half < SLIPPING_SHARE * quarter_swing
+
+
+def stray(residual: FloatArray, sd: FloatArray, groups: np.ndarray) -> np.ndarray:
+    """Runs that stand far from their own repeats (three or more, so that the odd one out can be told)."""
+    apart = np.full(len(residual), np.nan)
+    for label in np.unique(groups):
+        rows = np.flatnonzero((groups == label) & np.isfinite(residual))
+        if len(rows) >= 3:
+            apart[rows] = residual[rows] - np.median(residual[rows])
+    known = np.isfinite(apart)
+    if np.count_nonzero(known) < 10:
+        return np.zeros(len(residual), dtype=bool)
+    spread = (
+        1.4826 * float(np.median(np.abs(apart[known & (apart != 0)]))) if np.any(apart[known] != 0) else 0.0
+    )
+    return known & (np.abs(apart) > STRAY_SDS * np.hypot(spread, sd))
+
+
+def reaches(table: pd.DataFrame, channel: Channel, ramp_rate: float) -> np.ndarray:
+    """Runs whose ramp is still a ramp at the end of the channel's window: even a first slip that comes early, static
+    friction scatters, lies above the force that the stage reaches by then."""
+    if channel.window_end is None or "shear_capacity_n" not in table:
+        return np.ones(len(table), dtype=bool)
+    capacity = pd.to_numeric(table["shear_capacity_n"], errors="coerce").to_numpy(dtype=float)
+    before = np.zeros(len(table))
+    if "friction_before_n" in table:
+        before = np.nan_to_num(
+            pd.to_numeric(table["friction_before_n"], errors="coerce").to_numpy(dtype=float)
+        )
+    earliest = capacity - EARLY_SLIP * (capacity + np.abs(before))
+    return earliest > 1.1 * ramp_rate * channel.window_end
