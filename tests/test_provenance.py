@@ -33,6 +33,7 @@ def hashes() -> dict[str, str]:
         "model": code_hash(["physics.model"], ["air_gap"]),
         "candidate": code_hash(["physics.model"], ["air_gap", "trapped_charge"]),
         "page": code_hash(["reporting.page"]),
+        "gap": code_hash(["rig.gap", "rig.capacitance", "rig.spectra", "rig.load_cell", "cli.rig"]),
     }
 
 
@@ -45,6 +46,7 @@ def hashes() -> dict[str, str]:
         ("physics/effects/trapped_charge.py", {"candidate"}),
         ("physics/effects/gap_tilt.py", set()),
         ("reporting/words.py", {"page"}),
+        ("rig/spectra.py", {"gap"}),
         ("reporting/templates/report.css", {"page"}),
     ],
 )

@@ -16,6 +16,7 @@ _PACKAGE = Path(__file__).resolve().parent
 # so that a new candidate does not rerun what never saw it.
 _LISTED = ("eaclutch.rig.observables",)
 _EFFECTS = "eaclutch.physics.effects"
+_COMMANDS = "eaclutch.cli."  # a command's module serves several rules: each names what it calls
 
 
 def code_hash(modules: Iterable[str], effects: Iterable[str] = ()) -> str:
@@ -35,7 +36,8 @@ def code_hash(modules: Iterable[str], effects: Iterable[str] = ()) -> str:
         if path is None:
             raise ValueError(f"there is no module {name}")
         found[name] = path.read_bytes()
-        pending += [other for other in _imports(name, path) if other not in found]
+        if not name.startswith(_COMMANDS):
+            pending += [other for other in _imports(name, path) if other not in found]
         found |= {str(other): other.read_bytes() for other in sorted(path.parent.glob("templates/*"))}
         if name in _LISTED:
             pending += [f"{name}.{other.stem}" for other in path.parent.glob("[!_]*.py")]

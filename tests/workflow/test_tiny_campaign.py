@@ -148,10 +148,10 @@ def test_one_prior_reruns_its_own_stage_and_what_follows(finished: Path, quick: 
 @pytest.mark.parametrize(
     ("edited", "rerun", "kept"),
     [
-        ("inference/predict_campaign.py", {"predict", "report"}, {"posterior", "observables", "diagnosis"}),
+        ("inference/predict_campaign.py", {"predict", "report"}, {"posterior", "observables"}),
         ("rig/observables/slip.py", {"observables"}, {"capture", "gap"}),
-        ("reporting/templates/report.html.j2", {"report"}, {"predict", "diagnosis", "posterior"}),
-        (None, set(), {"report", "predict", "posterior"}),
+        ("reporting/templates/report.html.j2", {"report"}, {"predict", "posterior", "observables"}),
+        (None, set(), {"predict", "posterior", "observables"}),
     ],
     ids=["prediction", "observable", "template", "nothing"],
 )

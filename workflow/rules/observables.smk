@@ -30,7 +30,7 @@ rule observables:
         content=lambda wildcards: content(runs=runs_of(wildcards.batch)),
         exclude=lambda wildcards: exclusions(wildcards.batch),
         bench=bench("substrates", "friction", "load_cell", "drive", "stage_speed", "pad", "film_density"),
-        code=code("rig.batch", "cli.rig"),
+        code=code("rig.batch", "rig.published", "rig.traces", "cli.rig"),
     group:
         "observables"
     message:
@@ -54,7 +54,7 @@ rule runs:
         campaign=CAMPAIGN,
         bench=bench(),
         settings=settings("observables.preload_bin_edges_n", "observables.exclude"),
-        code=code("rig.batch", "cli.rig"),
+        code=code("rig.batch", "rig.published", "rig.table", "rig.campaign", "cli.rig"),
     message:
         "runs: one table of all runs, with sessions, conditions and exclusions"
     shell:
@@ -77,7 +77,7 @@ rule gap:
         content=lambda wildcards: content("capacitance", "permittivity", "load_cell"),
         bench=bench("pad", "fixture", "substrates"),
         settings=settings("posterior.capacitance_widths_mm", "posterior.capacitance_force_max_n"),
-        code=code("rig.gap", "rig.capacitance", "rig.spectra", "rig.load_cell", "cli.rig"),
+        code=code("rig.gap", "rig.capacitance", "rig.spectra", "rig.load_cell", "rig.campaign", "cli.rig"),
     message:
         "gap: capacitance readings as gaps, permittivity spectra, free swings of the load cell"
     shell:
