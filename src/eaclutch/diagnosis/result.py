@@ -19,7 +19,9 @@ from eaclutch.diagnosis.gaussian import Linearised, given, leave_out
 class CandidateResult:
     """A weighed hypothesis.
 
-    log_evidence (nats); log_evidence_open: of the effects with a nameless remainder beside them. log_density: by
+    log_evidence (nats); log_evidence_open: of the effects with a nameless remainder beside them;
+    log_evidence_without: of the base model fitted from where this fit stands, which may be better than where it was
+    found by itself. log_density: by
     left-out condition. errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
     without and with the entry's condition in the fit. shift: how far the effect moves each entry. adequate_p:
     absolute gate with the effect in. parameters: the effect's own; calibrated: {name: {mean, sd, unit,
@@ -29,6 +31,7 @@ class CandidateResult:
     effects: tuple[str, ...]
     log_evidence: float
     log_evidence_open: float
+    log_evidence_without: float
     log_density: tuple[float, ...]
     errors_left_out: tuple[float, ...]
     errors: tuple[float, ...]
@@ -69,6 +72,7 @@ def summarise(
     forward: Forward,
     data: DataVector,
     log_evidence_open: float,
+    log_evidence_without: float,
     readings: Mapping[str, float],
     rng: np.random.Generator,
 ) -> CandidateResult:
@@ -91,6 +95,7 @@ def summarise(
         fitted.effects,
         fitted.log_evidence,
         log_evidence_open,
+        log_evidence_without,
         tuple(left.log_density.tolist()),
         tuple((left.prediction_error @ linearised.w).tolist()),
         tuple(fitted.residual.tolist()),
