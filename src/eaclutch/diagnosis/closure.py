@@ -14,13 +14,16 @@ from eaclutch.records import FloatArray
 BOOTSTRAPS = 1000
 
 
-def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, floor: float,
+def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, simulated: FloatArray,
                 rng: np.random.Generator) -> dict[str, Any]:  # fmt: skip
-    """Contract's ``closure``: before, after, floor, shrinkage and its 90 % interval over conditions.
+    """Contract's ``closure``: before, after, floor, shrinkage and its 90 % interval.
 
-    The interval resamples conditions (their cells move together). A gap before that does not exceed the
-    floor has nothing to close: shrinkage 0, interval 0..1.
+    ``simulated`` (campaigns,): the statistic of campaigns without a gap; their median is the floor. The interval
+    resamples conditions (their cells move together) and takes a floor among the simulated ones, for chance put this
+    campaign above or below the median as well. A gap before that does not exceed the floor has nothing to close:
+    shrinkage 0, interval 0..1.
     """
+    floor = float(np.median(simulated))
     before_cells = _ratios(cells, base)
     after_cells = _ratios(cells, after)
     before, later = float(before_cells.mean()), float(after_cells.mean())
@@ -33,8 +36,10 @@ def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, flo
     top = np.bincount(index, weights=before_cells - after_cells)
     bottom = np.bincount(index, weights=before_cells - floor)
     with np.errstate(divide="ignore", invalid="ignore"):
-        draws = (counts @ top) / (counts @ bottom)
-    draws = draws[np.isfinite(draws) & (counts @ bottom > 0.05 * closable * size.sum())]
+        floors = rng.choice(simulated, BOOTSTRAPS)
+        closed, open_ = counts @ top, counts @ bottom + (counts @ size) * (floor - floors)
+        draws = closed / open_
+    draws = draws[np.isfinite(draws) & (open_ > 0.05 * closable * size.sum())]
     shrinkage = (before - later) / closable
     low, high = np.quantile(draws, [0.05, 0.95]) if len(draws) > 20 else (0.0, 1.0)
     return {

@@ -17,6 +17,7 @@ from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_re
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import Verdict, decide
 from eaclutch.diagnosis.weigh import NONE, by_effect, probabilities
+from eaclutch.records import FloatArray
 
 CAMPAIGNS = 400  # simulated, for every p-value and the noise floor
 
@@ -36,7 +37,8 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)
     simulated = null.strict @ left.prediction_error.T
-    floor = float(np.median(study.cells.mean_square(simulated[:, : study.data.run_entries])))
+    squares = study.cells.mean_square(simulated[:, : study.data.run_entries])
+    floor = float(np.median(squares))
     sound = with_readings(replace(study.base, linearised=study.sound), study.readings)
     elsewhere = leave_out(sound, groups).prediction_error
     where = localise(
@@ -48,7 +50,7 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
         study.generator(13),
     )
     units = {channel.name: channel.unit for channel in study.data.channels}
-    closure = gap_numbers(study.cells, base, after, floor, study.generator(12))
+    closure = gap_numbers(study.cells, base, after, squares, study.generator(12))
     return {
         "schema": 1,
         "campaign": study.inputs.bench.name,
@@ -64,7 +66,7 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
             {"effects": list(effects), "probability": weights[effects]}
             for effects in sorted(weights, key=lambda e: -weights[e])
         ],
-        "causes": causes(study, results, weights, floor, gate_p),
+        "causes": causes(study, results, weights, squares, gate_p),
         "verdict": {
             "effects": list(verdict.effects), "probability": verdict.probability,
             "alternatives": [list(a) for a in verdict.alternatives], "why": verdict.why,
@@ -92,7 +94,7 @@ def causes(
     study: Study,
     results: Sequence[CandidateResult],
     weights: Mapping[tuple[str, ...], float],
-    floor: float,
+    squares: FloatArray,
     gate_p: float,
 ) -> list[dict[str, Any]]:
     """One entry a candidate, and one each for ``unknown`` and ``none``, the most probable first."""
@@ -103,7 +105,7 @@ def causes(
     for name in [*study.candidates, "unknown", "none"]:
         result = single.get(name, base)
         gain = np.array(result.log_density) - np.array(base.log_density)
-        closure = gap_numbers(study.cells, base, result, floor, study.generator(12))
+        closure = gap_numbers(study.cells, base, result, squares, study.generator(12))
         entries.append(
             {
                 "effect": name, "probability": marginal.get(name, 0.0),

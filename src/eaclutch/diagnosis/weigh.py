@@ -45,9 +45,7 @@ def probabilities(
     cost = float(thresholds["remainder_cost"])
     base = next(r for r in results if not r.effects)
     plain = max(r.log_evidence_without for r in results)
-    own = [
-        np.logaddexp(r.log_evidence, r.log_evidence_open - cost) if r.effects else plain for r in results
-    ]
+    own = [np.logaddexp(r.log_evidence, r.log_evidence_open - cost) if r.effects else plain for r in results]
     # a nameless term beside a better base fit gains at least what that fit does
     unknown = base.log_evidence_open + plain - base.log_evidence
     evidence = np.array([*own, unknown])
