@@ -66,7 +66,10 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
     study = Study(read_case(folder, "library", {}), load_thresholds())
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found += weigh_pairs(study, found, PAIRS)
-    rows = [[list(r.effects), r.log_evidence, r.log_evidence_open, r.log_evidence_without, r.adequate_p] for r in found]
+    rows = [
+        [list(r.effects), r.log_evidence, r.log_evidence_open, r.log_evidence_without, r.adequate_p]
+        for r in found
+    ]
     write_json(target, {"answer": answer, "weighed": rows})
 
 
