@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +10,6 @@ import pandas as pd
 import yaml
 from jsonschema import Draft202012Validator
 
-from eaclutch.files import read_json
 from workflow.tiny import ROOT
 
 DOCUMENTS = {
@@ -35,7 +35,7 @@ def departures(results: Path) -> list[str]:
     """How the files of a results folder depart from their schemas."""
     found = []
     for file, name in DOCUMENTS.items():
-        errors = Draft202012Validator(schema(name)).iter_errors(read_json(results / file))
+        errors = Draft202012Validator(schema(name)).iter_errors(json.loads((results / file).read_text()))
         found += [
             f"{file}, {'.'.join(map(str, error.absolute_path))}: {error.message[:200]}" for error in errors
         ]
