@@ -89,7 +89,8 @@ def find_mode(
     jacobian = columns(forward, u)
     posterior = np.linalg.inv(jacobian.T @ cho_solve(factor, jacobian) + np.eye(len(u)))
     theta = priors.from_normal(u)
-    sd = np.abs(priors.slope(u)) * np.sqrt(np.diag(posterior))
+    # in the far tail of a bounded prior the slope is lost to the bound
+    sd = np.abs(priors.slope(np.clip(u, -4.0, 4.0))) * np.sqrt(np.diag(posterior))
     return Mode(priors, u, theta, sd, predicted, jacobian, posterior, converged)
 
 
