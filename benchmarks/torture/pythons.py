@@ -1,6 +1,6 @@
 """The same numbers whatever the Python: the first commands of a run, by several interpreters, compared.
 
-    python benchmarks/torture/pythons.py --output docs/measurements/pythons.json /tmp/py3.12/bin/python ...
+    python benchmarks/torture/pythons.py --output docs/measurements/pythons.json <python 3.12> ...
 
 Each interpreter must have the pinned requirements and this package in it (`pip install --require-hashes -r
 requirements.txt; pip install --no-deps -e .`); the one that runs this script is the reference. Logs to observables,
