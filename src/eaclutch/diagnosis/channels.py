@@ -62,7 +62,6 @@ class Channel:
 # leaving it out because of its sign would bias the rest. The final force is the baseline shift plus the
 # friction before, which the model is given, so only the shift counts. The ring-down carries no name: the model's
 # is that of the bare tip, and a strip that touches the tip while it swings makes it another oscillator.
-FORCE_SCALE = 0.1  # N, of the baseline shift
 CHANNELS: tuple[Channel, ...] = (
     Channel("engagement_time_s", "s", "engage", "engage", "linear", 1e-3, resolvable=False),
     Channel("ramp_rate_early_n_s", "N/s", "ramp", "ramp", "linear", 9.0, window_end=5e-3),
@@ -76,5 +75,5 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("release_time_90_s", "s", "release", "release", "linear", 5e-4),
     Channel("ringdown_frequency_hz", "Hz", "ringdown", "ringdown", "log", resolvable=False),
     Channel("ringdown_damping_ratio", "1", "ringdown", "ringdown", "linear", 0.1, resolvable=False),
-    Channel("baseline_shift_n", "N", "after", "after", "linear", FORCE_SCALE),
+    Channel("baseline_shift_n", "N", "after", "after", "linear", 0.1),
 )

@@ -65,9 +65,6 @@ def kernels(data: DataVector, thresholds: Mapping[str, Any]) -> Kernels:
     shape = _smooth(data, shares)
     across = np.where(same_family, np.where(same_channel, 1.0, rho), 0.0)
     scatter = np.array([thresholds["scatter"].get(b, 0.0) for b in data.block])
-    scatter = np.where(
-        data.block == "after", np.hypot(scatter, thresholds["stuck_share"] * data.friction), scatter
-    )
     tolerance = np.outer(tolerance_sd, tolerance_sd) * between * same_family * shape
     for term in thresholds["shared"]:
         together = np.array([term["sd"] * term["blocks"].get(b, 0.0) for b in data.block])

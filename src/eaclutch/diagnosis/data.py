@@ -15,7 +15,7 @@ import pandas as pd
 from scipy import sparse
 
 from eaclutch.diagnosis.bench_channels import BenchEntries
-from eaclutch.diagnosis.channels import FORCE_SCALE, Channel
+from eaclutch.diagnosis.channels import Channel
 from eaclutch.diagnosis.repeatability import (
     PRELOAD_EDGES,
     RepeatVariance,
@@ -53,7 +53,6 @@ class DataVector:
     offset: np.ndarray
     family: np.ndarray
     features: FloatArray
-    friction: FloatArray  # before the voltage, in units of the baseline shift's scale; 0 of bench entries
     average: sparse.csr_matrix
     bench: BenchEntries
     repeats: Mapping[str, RepeatVariance]
@@ -154,8 +153,6 @@ def _assemble(
     features = np.array([settings[rows].mean(axis=0) for _, rows, *_ in entries]).reshape(
         n, settings.shape[1]
     )
-    before = np.maximum(np.nan_to_num(conditions.friction_before), 0.0) / FORCE_SCALE
-    friction = np.array([before[rows].mean() for _, rows, *_ in entries])
     first = [rows[0] for _, rows, *_ in entries]
     wide = max(features.shape[1], bench.features.shape[1])
 
@@ -176,7 +173,6 @@ def _assemble(
         join([conditions.session[i] for i in first], bench.offset),
         join(["run"] * n, bench.block),
         np.concatenate([_widen(features, wide), _widen(bench.features, wide)]),
-        np.concatenate([friction, np.zeros(len(bench.values))]),
         average.tocsr(),
         bench,
         repeats,

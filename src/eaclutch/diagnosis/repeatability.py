@@ -84,7 +84,8 @@ def session_share(
     bins: np.ndarray,
 ) -> FloatArray:
     """Each run's session's variance over the pooled one, (runs,): what shakes a bench on one day, a line of mains or
-    a pump, leaves it alone on the next. Drawn to the pooled one where a session has few repeats."""
+    a pump, leaves it alone on the next. Drawn to the pooled one where a session has few repeats, and never below it: a
+    few repeats that happen to agree are no quiet day."""
     share = np.ones(len(conditions))
     if pooled.dof == 0 or not pooled.variance > 0:
         return share
@@ -92,5 +93,5 @@ def session_share(
     for name in dict.fromkeys(conditions.session):
         rows = sessions == name
         own = pooled_variance(np.where(rows, spread, np.nan), conditions.friction_before, groups, bins)
-        share[rows] = shrunk_variance(own, pooled.variance, SESSION_DOF) / pooled.variance
+        share[rows] = max(1.0, shrunk_variance(own, pooled.variance, SESSION_DOF) / pooled.variance)
     return share

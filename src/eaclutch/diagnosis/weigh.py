@@ -14,10 +14,11 @@ import numpy as np
 from scipy.special import logsumexp
 
 from eaclutch.diagnosis.result import CandidateResult
+from eaclutch.physics.effects import BASE, EFFECTS
 
 NONE: tuple[str, ...] = ()
 UNKNOWN: tuple[str, ...] = ("unknown",)
-LIBRARY = 16  # candidates that the library names
+LIBRARY = len(EFFECTS) - len(BASE)  # candidates that the library names
 
 
 def probabilities(
