@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from eaclutch.diagnosis.gaussian import Linearised, leave_out, log_normal
+from eaclutch.diagnosis.gaussian import Linearised, given, leave_out, log_normal, posterior_mean
 
 
 @pytest.fixture
@@ -48,3 +48,19 @@ def test_conditional_residual_uses_correlated_neighbours(fit):
         rest = np.setdiff1d(np.arange(12), rows)
         carried = marginal[np.ix_(rows, rest)] @ np.linalg.solve(marginal[np.ix_(rest, rest)], fit.w[rest])
         np.testing.assert_allclose((found.conditional @ fit.w)[rows], fit.w[rows] - carried, atol=1e-9)
+
+
+def test_a_held_parameter_is_as_good_as_known(fit):
+    # known beforehand, it is taken off the data, and the others are fitted to what is left
+    held = given(fit, {1: 0.7})
+    np.testing.assert_allclose(held.w, fit.w - 0.7 * fit.jacobian[:, 1])
+    np.testing.assert_allclose(held.jacobian, fit.jacobian[:, [0, 2]])
+    assert given(fit, {}) is fit
+
+
+def test_posterior_mean_is_that_of_the_least_squares_with_prior(fit):
+    weight = np.linalg.inv(fit.covariance)
+    wanted = np.linalg.solve(
+        fit.jacobian.T @ weight @ fit.jacobian + np.eye(3), fit.jacobian.T @ weight @ fit.w
+    )
+    np.testing.assert_allclose(posterior_mean(fit), wanted, atol=1e-9)

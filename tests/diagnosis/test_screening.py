@@ -1,0 +1,69 @@
+"""What counts, and how much: ramps that a slip may have cut, sessions that shake, and prior odds."""
+
+from dataclasses import dataclass
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from eaclutch.diagnosis.channels import CHANNELS
+from eaclutch.diagnosis.repeatability import pooled_variance, session_share
+from eaclutch.diagnosis.screening import reaches
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.weigh import NONE, probabilities
+
+
+def test_a_ramp_counts_only_where_no_slip_can_come_so_early():
+    channel = next(c for c in CHANNELS if c.name == "ramp_rate_n_s")  # up to 20 ms: 0.18 N at 9 N/s
+    table = pd.DataFrame({"shear_capacity_n": [0.1, 0.24, 0.6], "friction_before_n": [0.05, 0.2, 0.05]})
+    np.testing.assert_array_equal(reaches(table, channel, 9.0), [False, False, True])
+
+
+@dataclass(frozen=True)
+class Runs:
+    """As much of the runs' conditions as the variance of a session looks at."""
+
+    session: tuple[str, ...]
+    friction_before: np.ndarray
+
+    def __len__(self):
+        return len(self.session)
+
+
+def test_a_shaking_session_counts_less_and_a_lucky_one_no_more():
+    rng = np.random.default_rng(2)
+    groups = np.repeat(np.arange(60), 3)
+    session = np.where(groups < 20, "calm", np.where(groups < 40, "shaky", "usual"))
+    sd = np.select([session == "calm", session == "shaky"], [0.05, 0.5], 0.1)
+    values, zero = rng.normal(0.0, sd), np.zeros(groups.size)
+    bins = np.zeros(groups.size, dtype=int)
+    conditions = Runs(tuple(session), zero)
+    pooled = pooled_variance(values, zero, groups, bins)
+    share = session_share(values, pooled, conditions, groups, bins)
+    assert np.all(share[session == "calm"] == 1.0)
+    assert share[session == "shaky"].mean() * pooled.variance == pytest.approx(0.25, rel=0.4)
+
+
+def weighed(effects, evidence, without=0.0):
+    return SimpleNamespace(
+        effects=effects, log_evidence=evidence, log_evidence_open=evidence - 3.0, log_evidence_without=without
+    )
+
+
+def test_what_an_effect_gains_counts_from_the_best_base_fit():
+    thresholds = load_thresholds()
+    stuck = probabilities([weighed(NONE, 0.0), weighed(("gap_tilt",), 9.0)], thresholds)
+    refitted = probabilities([weighed(NONE, 0.0), weighed(("gap_tilt",), 9.0, without=8.5)], thresholds)
+    assert max(stuck, key=stuck.__getitem__) == ("gap_tilt",)
+    assert max(refitted, key=refitted.__getitem__) == NONE
+    assert sum(refitted.values()) == pytest.approx(1.0)
+
+
+def test_an_effect_is_as_likely_beforehand_beside_few_others_as_beside_many():
+    thresholds = load_thresholds()
+    few = probabilities([weighed(NONE, 0.0), weighed(("gap_tilt",), 4.0)], thresholds)
+    names = ["gap_tilt", *(f"effect_{i}" for i in range(15))]
+    many = [weighed((name,), 4.0 if name == "gap_tilt" else -50.0) for name in names]
+    all_of_them = probabilities([weighed(NONE, 0.0), *many], thresholds)
+    assert few[("gap_tilt",)] == pytest.approx(all_of_them[("gap_tilt",)], rel=1e-6)
