@@ -1,6 +1,6 @@
 """How often 90 % intervals hold what they should, on simulated campaigns of the base model without any effect.
 
-    python tests/inference/measure_coverage.py --campaigns 12 --output docs/measurements/posterior_coverage.json
+    python benchmarks/posterior_coverage.py --campaigns 12 --output docs/measurements/posterior_coverage.json
 
 Each campaign has true parameters of its own, drawn from the priors (those of contact narrowed, or most clutches
 would pull in or never touch); all four stages are sampled by short chains and every run is predicted with and
@@ -148,7 +148,7 @@ def write(output: Path, results: list[dict[str, Any]], seed: int) -> None:
         ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True
     )
     document = {
-        "command": f"python tests/inference/measure_coverage.py --campaigns {len(results)} --seed {seed}",
+        "command": f"python benchmarks/posterior_coverage.py --campaigns {len(results)} --seed {seed}",
         "date": date.today().isoformat(), "commit": commit.stdout.strip(), "campaigns": len(results),
         "runs_a_campaign": 12 * REPEATS, **pooled(results),
     }  # fmt: skip
