@@ -65,6 +65,18 @@ def test_release_with_an_effect(name, runs, bench):
         assert ours[2] != pytest.approx(base.values[TIMES[2]][0, 0], rel=1e-6)
 
 
+def test_side_walls_hold_more_while_the_voltage_is_on(runs, bench):
+    """300 V multiply the side walls' static friction by 1 + gain in the capacity, and nothing once it is off."""
+    model, conditions = ClutchModel(bench, (*BASE, "edge_wrap")), runs(voltage=300.0, switch_off_force=0.9)
+    wrap = {"edge_wrap.friction_per_preload": 0.3, "edge_wrap.damping_per_preload": 1.0}
+    plain = model.predict(conditions, wrap)
+    pulled = model.predict(conditions, {**wrap, "edge_wrap.drive_gain": 2.0})
+    side = float(model.rows(conditions, wrap)[0][0, 0]["side_friction_static"])
+    more = pulled.values["shear_capacity_n"] - plain.values["shear_capacity_n"]
+    assert more[0, 0] == pytest.approx(2.0 * side, rel=1e-6)
+    assert pulled.values[TIMES[2]][0, 0] == plain.values[TIMES[2]][0, 0]
+
+
 def test_film_step_has_order_four(model, runs):
     """Fixed steps over a smooth stretch of a release: the error falls as the fourth power of the step."""
     row = model.rows(runs(), {})[0][0, 0]

@@ -17,13 +17,20 @@ CASES = {
         {"residual_fraction": 0.4, "corner_frequency": 50.0, "decay_time": 0.05},
         {"residual_fraction": [0.01904762, 0.39867110, 0.33333333, 0.01904762], "residual_decay_time": 0.05},
     ),
-    # of the preloads 0.2 and 0.5 N that the base model sees 0.327 / 0.827 press the strip, 0.5 of those the sides
+    # of the preloads 0.2 and 0.5 N that the base model sees 0.327 / 0.827 press the strip: P = 0.0790810, 0.1977025 N;
+    # 0.5 N (P / 0.5 N)^(2/3) = 0.1462306, 0.2693590 N press the sides; 300 V, 150 V: 1 + 3, 1 + 3/4
     "edge_wrap": (
-        {"friction_per_preload": 0.5, "damping_per_preload": 2.0},
         {
-            "side_friction": [0.03954051, 0.03954051, 0.09885127, 0.03954051],
-            "side_friction_static": [0.04827024, 0.04827024, 0.12067558, 0.04827024],
-            "side_damping": [0.15816203, 0.15816203, 0.39540508, 0.15816203],
+            "friction_per_preload": 0.5,
+            "damping_per_preload": 2.0,
+            "preload_exponent": 2 / 3,
+            "drive_gain": 3.0,
+        },
+        {
+            "side_friction": [0.07311528, 0.07311528, 0.13467950, 0.07311528],
+            "side_friction_static": [0.08925762, 0.08925762, 0.16441394, 0.08925762],
+            "side_damping": [0.29246113, 0.29246113, 0.53871801, 0.29246113],
+            "side_drive_factor": [4.0, 4.0, 1.75, 1.0],
         },
     ),
     # 150 V over 24 um: 6.25 MV/m; 75 V: 3.125 MV/m

@@ -1,8 +1,11 @@
 """Edge wrap: the preload bends the compliant film round the substrate's edges, so that it rubs on the side
-walls too. The normal force on the side walls is taken proportional to the preload, and so are the friction it
-adds beside base and film (static and kinetic, in the film's ratio) and a viscous damping of the sliding. Side
-friction is part of the friction before the voltage, from which the preload is known: F_before = (mu + c_f) F_pre
-+ weights, with mu = mu_b + mu_d, so the preload is mu / (mu + c_f) of what the base model makes of it."""
+walls too. The touching width of a bent film is that of a line or of a rounded foot under load: it grows as the preload
+to a power between 1/2 (Hertz's line) and 1, so the normal force there is c P_ref (P / P_ref)^n. While the voltage is
+on, the electrodes that face the walls pull as well, by their Maxwell stress, which grows as V^2. To this force the
+friction is proportional that the walls add beside base and film (static and kinetic, in the film's ratio), and without
+the voltage a viscous damping of the sliding. Side friction is part of the friction before the voltage, from which the
+preload is known: F_before = (mu + c_f) F_pre + weights, with mu = mu_b + mu_d, so the preload is taken as
+mu / (mu + c_f) of what the base model makes of it."""
 
 from __future__ import annotations
 
@@ -15,17 +18,25 @@ from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
 
+REFERENCE_PRELOAD = 0.5  # N
+REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
+
+
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """Side friction c_f F_pre (kinetic; static in the film's ratio) and side damping c_d F_pre."""
+    """Side friction c_f P_ref (P / P_ref)^n (kinetic; static in the film's ratio), (1 + g (V / V_0)^2) times that
+    with the voltage on, and side damping c_d P_ref (P / P_ref)^n."""
     p = inputs.parameters
     coefficient = np.asarray(values["friction_per_preload"])
     sliding = p["base_kinetic"] + p["film_kinetic"]
     preload = np.maximum(inputs.preload, 0.0) * sliding / (sliding + coefficient)
-    kinetic = coefficient * preload
+    foot = REFERENCE_PRELOAD * (preload / REFERENCE_PRELOAD) ** np.asarray(values["preload_exponent"])
+    kinetic = coefficient * foot
+    pull = np.asarray(values["drive_gain"]) * (inputs.conditions.voltage / REFERENCE_VOLTAGE) ** 2
     return sockets.with_(
         side_friction=sockets.side_friction + kinetic,
         side_friction_static=sockets.side_friction_static + kinetic * p["film_static"] / p["film_kinetic"],
-        side_damping=sockets.side_damping + values["damping_per_preload"] * preload,
+        side_drive_factor=sockets.side_drive_factor * (1.0 + pull),
+        side_damping=sockets.side_damping + values["damping_per_preload"] * foot,
     )
 
 
@@ -43,7 +54,7 @@ EFFECT = Effect(
             0.0,
             Prior("halfnormal", 0.2),
             neutral=0.0,
-            description="kinetic side-wall friction over preload",
+            description="kinetic side-wall friction over preload, at 0.5 N without voltage",
         ),
         Parameter(
             "damping_per_preload",
@@ -52,17 +63,36 @@ EFFECT = Effect(
             0.0,
             Prior("halfnormal", 2.0),
             neutral=0.0,
-            description="viscous side-wall damping over preload",
+            description="viscous side-wall damping over preload, at 0.5 N",
+        ),
+        Parameter(
+            "preload_exponent",
+            "1",
+            (0.4, 1.2),
+            0.8,
+            Prior("normal", 0.8, 0.2),
+            description="the side wall's force grows as the preload to this power",
+        ),
+        Parameter(
+            "drive_gain",
+            "1",
+            (0.0, 20.0),
+            0.0,
+            Prior("halfnormal", 2.0),
+            neutral=0.0,
+            description="further side-wall force at 300 V over that of the preload; grows as V^2",
         ),
     ),
     reference=(
         "Rauf & Follmer, Extreme Mechanics Letters 79 (2025) 102382, doi:10.1016/j.eml.2025.102382 (their "
-        "conjecture for release slowing with preload); linear law derived here"
+        "conjecture for release slowing with preload); K. L. Johnson, Contact Mechanics (1985), ch. 4 (exponents); law derived here"
     ),
-    validity="the film stays elastic; side friction is proportional to preload, not to the drive",
+    validity="the film stays elastic; the walls are held less than the pad",
     apply=apply,
     draw=lambda rng: {
         "friction_per_preload": rng.uniform(0.05, 0.5),
         "damping_per_preload": rng.uniform(0.5, 6.0),
+        "preload_exponent": rng.uniform(0.6, 1.0),
+        "drive_gain": rng.uniform(0.0, 3.0),
     },
 )

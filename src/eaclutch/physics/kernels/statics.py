@@ -118,10 +118,9 @@ def driven_gap(p, preload, gap_before, tables):
 
 @compiled
 def frictions(p, normal_base, contact_force, static_factor, speed):
-    """(static, kinetic) friction [N] of the strip between base and film; kinetic at ``speed``."""
+    """(static, kinetic) friction [N] of the strip between base and film with the voltage on; kinetic at ``speed``."""
     factor = weakened(p, speed)
-    static = (
-        static_factor * (p.base_static * normal_base + p.film_static * contact_force) + p.side_friction_static
-    )
-    kinetic = factor * (p.base_kinetic * normal_base + p.film_kinetic * contact_force) + p.side_friction
-    return static, kinetic
+    static = static_factor * (p.base_static * normal_base + p.film_static * contact_force)
+    kinetic = factor * (p.base_kinetic * normal_base + p.film_kinetic * contact_force)
+    side = p.side_drive_factor
+    return static + side * p.side_friction_static, kinetic + side * p.side_friction
