@@ -17,7 +17,6 @@ from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
-
 REFERENCE_PRELOAD = 0.5  # N
 REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
 
@@ -85,7 +84,8 @@ EFFECT = Effect(
     ),
     reference=(
         "Rauf & Follmer, Extreme Mechanics Letters 79 (2025) 102382, doi:10.1016/j.eml.2025.102382 (their "
-        "conjecture for release slowing with preload); K. L. Johnson, Contact Mechanics (1985), ch. 4 (exponents); law derived here"
+        "conjecture for release slowing with preload); K. L. Johnson, Contact Mechanics (1985), ch. 4 (exponents); "
+        "law derived here"
     ),
     validity="the film stays elastic; the walls are held less than the pad",
     apply=apply,
