@@ -51,6 +51,7 @@ class Weighed:
     log_evidence: float
     log_evidence_open: float
     log_evidence_without: float
+    log_evidence_without_open: float
     adequate_p: float
 
 
@@ -67,7 +68,14 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found += weigh_pairs(study, found, PAIRS)
     rows = [
-        [list(r.effects), r.log_evidence, r.log_evidence_open, r.log_evidence_without, r.adequate_p]
+        [
+            list(r.effects),
+            r.log_evidence,
+            r.log_evidence_open,
+            r.log_evidence_without,
+            r.log_evidence_without_open,
+            r.adequate_p,
+        ]
         for r in found
     ]
     write_json(target, {"answer": answer, "weighed": rows})

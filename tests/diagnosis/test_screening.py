@@ -47,7 +47,11 @@ def test_a_shaking_session_counts_less_and_a_lucky_one_no_more():
 
 def weighed(effects, evidence, without=0.0):
     return SimpleNamespace(
-        effects=effects, log_evidence=evidence, log_evidence_open=evidence - 3.0, log_evidence_without=without
+        effects=effects,
+        log_evidence=evidence,
+        log_evidence_open=evidence - 3.0,
+        log_evidence_without=without,
+        log_evidence_without_open=without - 3.0,
     )
 
 

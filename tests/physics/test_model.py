@@ -192,6 +192,18 @@ def test_capacitance_bench_and_permittivity(model):
     )
 
 
+def test_the_fixture_may_be_straight_where_the_clutch_is_tilted(bench):
+    plain, tilted = ClutchModel(bench), ClutchModel(bench, (*BASE, "gap_tilt"))
+    force = np.array([0.2, 1.0, 4.0])
+    tilt = {"gap_tilt.angle": 2e-3, "gap_tilt.fixture_share": 0.0}
+    np.testing.assert_array_equal(tilted.capacitance(force, 2e-3, tilt), plain.capacitance(force, 2e-3))
+    wider = {"roughness_sd": np.hypot(plain.parameters["roughness_sd"].default, 0.5 * 4e-6 / np.sqrt(12.0))}
+    np.testing.assert_allclose(
+        tilted.capacitance(force, 2e-3, {**tilt, "gap_tilt.fixture_share": 0.5}),
+        plain.capacitance(force, 2e-3, wider),
+    )
+
+
 def test_same_numbers_on_any_number_of_cores(model, runs):
     import numba
 

@@ -34,7 +34,7 @@ from eaclutch.records import FloatArray
 FEATURES = {
     "engagement_time_s": ("engage", 6e-4, 0.0),
     "ramp_rate_n_s": ("ramp", 0.2, 0.01),
-    "shear_capacity_n": ("hold", 4e-3, 0.04),
+    "shear_capacity_n": ("ramp", 4e-3, 0.04),
     "slip_fraction": ("hold", 0.04, 0.0),
     "hold_creep_n_s": ("hold", 4e-3, 0.0),
     "release_time_10_s": ("release", 5e-5, 0.05),

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+from scipy.special import ndtr, ndtri
 
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.result import CandidateResult
@@ -18,33 +19,35 @@ def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, sim
                 rng: np.random.Generator) -> dict[str, Any]:  # fmt: skip
     """Contract's ``closure``: before, after, floor, shrinkage and its 90 % interval.
 
-    ``simulated`` (campaigns,): the statistic of campaigns without a gap; their median is the floor. The interval
-    resamples conditions (their cells move together) and takes a floor among the simulated ones, for chance put this
-    campaign above or below the median as well. A gap before that does not exceed the floor has nothing to close:
-    shrinkage 0, interval 0..1.
+    ``simulated`` (campaigns,): the statistic of campaigns without a gap; their median is the floor. What is closed is
+    resampled over conditions (their cells move together). What is left, r >= 0, is the statistic after less this
+    campaign's own noise, of which the simulated ones say how much there may be: r follows their normal
+    approximation, cut at zero. The interval is of closed / (closed + r), and of anything in 0..1 to the extent that
+    noise alone makes as large a gap before. One that does not exceed the floor has nothing to close: shrinkage 0,
+    interval 0..1.
     """
     floor = float(np.median(simulated))
     before_cells = _ratios(cells, base)
     after_cells = _ratios(cells, after)
     before, later = float(before_cells.mean()), float(after_cells.mean())
-    closable = before - floor
-    if closable <= 0:
+    if before <= floor:
         return {"before": before, "after": later, "noise_floor": floor, "shrinkage": 0.0,
                 "interval": [0.0, 1.0], "held_out_by": "condition"}  # fmt: skip
     counts, index = _condition_draws(cells, rng)
-    size = np.bincount(index)
-    top = np.bincount(index, weights=before_cells - after_cells)
-    bottom = np.bincount(index, weights=before_cells - floor)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        floors = rng.choice(simulated, BOOTSTRAPS)
-        closed, open_ = counts @ top, counts @ bottom + (counts @ size) * (floor - floors)
-        draws = closed / open_
-    draws = draws[np.isfinite(draws) & (open_ > 0.05 * closable * size.sum())]
-    shrinkage = (before - later) / closable
-    low, high = np.quantile(draws, [0.05, 0.95]) if len(draws) > 20 else (0.0, 1.0)
+    size = counts @ np.bincount(index)
+    closed = (counts @ np.bincount(index, weights=before_cells - after_cells)) / size
+    low, high = np.quantile(simulated, [0.16, 0.84])
+    spread = max(0.5 * float(high - low), 1e-9)
+    least = ndtr((floor - later) / spread)
+    left = later - floor + spread * ndtri(np.clip(rng.uniform(least, 1.0, BOOTSTRAPS), 1e-9, 1.0 - 1e-9))
+    whole = closed + np.maximum(left, 0.0)
+    real = (whole > 0) & (rng.choice(simulated, BOOTSTRAPS) < before)
+    share = np.divide(closed, whole, out=np.zeros_like(closed), where=real)
+    shrinkage = (before - later) / (before - floor)
+    bottom, top = np.quantile(np.where(real, share, 0.0), 0.05), np.quantile(np.where(real, share, 1.0), 0.95)
     return {
         "before": before, "after": later, "noise_floor": floor, "shrinkage": float(shrinkage),
-        "interval": [float(min(low, shrinkage)), float(max(high, shrinkage))], "held_out_by": "condition",
+        "interval": [float(min(bottom, shrinkage)), float(max(top, shrinkage))], "held_out_by": "condition",
     }  # fmt: skip
 
 

@@ -48,6 +48,7 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
         elsewhere @ sound.w,
         null.strict @ elsewhere.T,
         study.generator(13),
+        explained=None if after is base else np.array(after.shift),
     )
     units = {channel.name: channel.unit for channel in study.data.channels}
     closure = gap_numbers(study.cells, base, after, squares, study.generator(12))

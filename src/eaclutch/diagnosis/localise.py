@@ -2,7 +2,8 @@
 
 All p-values come from the same simulated campaigns as the gate's, adjusted for the whole table at once. The
 table that is tested is larger than the one that is shown: every observable with every two-way split of every
-factor, besides "all".
+factor, besides "all". Where an effect is named, its place is where its prediction departs from the base model's:
+repeats and sessions scatter around that, and a place that noise alone would not have shown has a large p-value.
 """
 
 from __future__ import annotations
@@ -23,6 +24,7 @@ SHOWN = 12  # rows of the table
 MOST = 0.7  # share of an observable's gap that its place must hold
 MORE = 1.4  # how much more concentrated than an even spread a place must be, to be named instead of "all"
 MOSTLY_ALL = 0.85  # a level that holds this share of the cells is no place of its own
+LEAST = 0.05  # share of the gap from which a place that the named effect explains is shown
 
 
 @dataclass(frozen=True)
@@ -97,13 +99,15 @@ def localise(
     errors: FloatArray,
     simulated: FloatArray,
     rng: np.random.Generator,
+    explained: FloatArray | None = None,
     *,
     level: float = 0.05,
 ) -> Where:
     """Find the places.
 
     errors (entries,): measured less predicted by the base model, conditions left out; simulated
-    (campaigns, entries): the same of campaigns simulated from it. Returns rows sorted by share.
+    (campaigns, entries): the same of campaigns simulated from it. explained (entries,): what of these errors the
+    named effect predicts, if one is named. Returns rows sorted by share.
     """
     n = data.run_entries
     splits = splits_of(data, preload)
@@ -116,20 +120,20 @@ def localise(
     tests, masks = [t for t, keep in zip(tests, use, strict=True) if keep], masks[use]
     size = masks.sum(axis=1)
     p_values = max_statistic(np.log1p(masks @ ratio / size), np.log1p(null @ masks.T / size))
-    expected = null.mean(axis=0)
     observable_p = {
         name: float(p_values[i]) for i, (name, split) in enumerate(tests) if split.factor == "all"
     }
+    shown, excess, least = errors[:n], ratio - null.mean(axis=0), 0.0
+    if explained is not None:
+        shown, level, least = explained[:n], 1.0, LEAST
+        excess, _ = _excess(data, cells, explained, simulated[:1])
     rows = []
     for name in names:
-        found = _place(name, tests, masks, ratio - expected, p_values, level)
-        if found is None:
-            continue
-        test, index = found
-        rows.append(
-            _row(name, test, masks[index], ratio - expected, errors[:n], p_values[index], data, splits, rng)
-        )
-    rows.sort(key=lambda row: -row["share"])
+        found = _place(name, tests, masks, excess, p_values, level)
+        if found is not None:
+            test, index = found
+            rows.append(_row(name, test, masks[index], excess, shown, p_values[index], data, splits, rng))
+    rows = sorted((row for row in rows if row["share"] >= least), key=lambda row: -row["share"])
     return Where(rows[:SHOWN], observable_p)
 
 

@@ -12,7 +12,10 @@ from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.fit import HypothesisFit
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gate import adequacy, simulate_null
-from eaclutch.diagnosis.gaussian import Linearised, given, leave_out
+from eaclutch.diagnosis.gaussian import LeaveOut, Linearised, given, leave_out
+from eaclutch.records import FloatArray
+
+FARTHEST = 5.0  # prior sds, of a parameter where a condition is left out
 
 
 @dataclass(frozen=True)
@@ -21,7 +24,7 @@ class CandidateResult:
 
     log_evidence (nats); log_evidence_open: of the effects with a nameless remainder beside them;
     log_evidence_without: of the base model fitted from where this fit stands, which may be better than where it was
-    found by itself. log_density: by
+    found by itself; log_evidence_without_open: of that with a nameless remainder. log_density: by
     left-out condition. errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
     without and with the entry's condition in the fit. shift: how far the effect moves each entry. adequate_p:
     absolute gate with the effect in. parameters: the effect's own; calibrated: {name: {mean, sd, unit,
@@ -32,6 +35,7 @@ class CandidateResult:
     log_evidence: float
     log_evidence_open: float
     log_evidence_without: float
+    log_evidence_without_open: float
     log_density: tuple[float, ...]
     errors_left_out: tuple[float, ...]
     errors: tuple[float, ...]
@@ -67,12 +71,30 @@ def with_readings(fitted: HypothesisFit, readings: Mapping[str, float]) -> Linea
     return given(fitted.linearised, known)
 
 
+def left_out_errors(
+    forward: Forward, data: DataVector, fitted: HypothesisFit, left: LeaveOut, readings: Mapping[str, float]
+) -> FloatArray:
+    """Measured less predicted (entries,) where each entry's condition is left out: the model itself at the parameters
+    that the other conditions give it, for a law may bend far where it is extrapolated. Entries of no condition keep
+    their residual."""
+    names = fitted.mode.names
+    held = {i: readings[name] for i, name in enumerate(names) if name in readings}
+    u = np.empty((len(left.groups), len(names)))
+    u[:, list(held)] = list(held.values())
+    u[:, [i for i in range(len(names)) if i not in held]] = left.u
+    predicted = forward.predict(forward.priors.from_normal(np.clip(u, -FARTHEST, FARTHEST)))
+    errors = np.array(fitted.residual, dtype=float)
+    for group, rows in enumerate(left.groups):
+        errors[rows] = data.values[rows] - predicted[group, rows]
+    return errors
+
+
 def summarise(
     fitted: HypothesisFit,
     forward: Forward,
     data: DataVector,
     log_evidence_open: float,
-    log_evidence_without: float,
+    log_evidence_without: tuple[float, float],
     readings: Mapping[str, float],
     rng: np.random.Generator,
 ) -> CandidateResult:
@@ -95,9 +117,9 @@ def summarise(
         fitted.effects,
         fitted.log_evidence,
         log_evidence_open,
-        log_evidence_without,
+        *log_evidence_without,
         tuple(left.log_density.tolist()),
-        tuple((left.prediction_error @ linearised.w).tolist()),
+        tuple(left_out_errors(forward, data, fitted, left, readings).tolist()),
         tuple(fitted.residual.tolist()),
         tuple(fitted.signature.tolist()),
         adequate,

@@ -203,15 +203,18 @@ class Study:
             self.generator(7),
         )  # fmt: skip
 
-    def _without(self, fitted: HypothesisFit) -> float:
-        """Evidence of the base model, fitted once more from the calibrated parameters of a better fit: what an effect
-        gains must not be that its fit ended in a better place."""
+    def _without(self, fitted: HypothesisFit) -> tuple[float, float]:
+        """Evidence of the base model, and with a nameless remainder, fitted once more from the calibrated parameters
+        of a better fit: what an effect gains must not be that its fit ended in a better place."""
+        found = self.base.log_evidence, self.nameless.log_evidence
         if not fitted.effects or fitted.log_evidence < self.base.log_evidence + WORTH_OPENING:
-            return self.base.log_evidence
+            return found
         again = fit_hypothesis(
             self.forward(()), self.data, self.kernels, self.thresholds, seeds=fitted.parameters
         )
-        return max(self.base.log_evidence, again.log_evidence)
+        if again.log_evidence <= self.base.log_evidence:
+            return found
+        return again.log_evidence, max(found[1], self._open(again))
 
     def _open(self, fitted: HypothesisFit) -> float:
         """Evidence with a nameless remainder; worked out only where the effects explain something at all."""

@@ -44,11 +44,9 @@ def probabilities(
     }
     keys = [r.effects for r in results] + [UNKNOWN]
     cost = float(thresholds["remainder_cost"])
-    base = next(r for r in results if not r.effects)
     plain = max(r.log_evidence_without for r in results)
+    unknown = max(r.log_evidence_without_open for r in results)
     own = [np.logaddexp(r.log_evidence, r.log_evidence_open - cost) if r.effects else plain for r in results]
-    # a nameless term beside a better base fit gains at least what that fit does
-    unknown = base.log_evidence_open + plain - base.log_evidence
     evidence = np.array([*own, unknown])
     log_prior = np.log([share[len(r.effects)] for r in results] + [prior["unknown"]])
     score = evidence / thresholds["temperature"] + log_prior

@@ -199,6 +199,7 @@ class ClutchModel:
         values, draws = fill.broadcast_parameters(self.parameters, parameters or {}, len(conditions))
         fill.refuse_outside(self.parameters, values)
         sockets = fill.fill_sockets(self.bench, conditions, values, self.effects)
+        sockets = sockets.with_(gap_spread_sd=sockets.fixture_gap_spread_sd)
         table = fill.fill_rows(
             self.bench, conditions, values, sockets, "none", False, self.roughness_cut, draws
         )

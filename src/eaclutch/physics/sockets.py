@@ -46,6 +46,7 @@ class Sockets:
     gap_spread_sd: FloatArray | float = (
         0.0  # m; adds in quadrature to the roughness sd in contact and force (tilt)
     )
+    fixture_gap_spread_sd: FloatArray | float = 0.0  # m; the same on the capacitance fixture
     adhesion_force: FloatArray | float = 0.0  # N at full contact; acts as adhesion_force * Phi(-h / sigma)
     # film
     film_weight: FloatArray | float = 0.0  # N; m_d g

@@ -55,8 +55,11 @@ CASES = {
     ),
     # sqrt(2^2 + 3^2) / sqrt(12) um and, 4 mm wide, sqrt(4^2 + 3^2) / sqrt(12) um
     "gap_tilt": (
-        {"angle": 1e-3, "lift": 3e-6},
-        {"gap_spread_sd": [1.04083300e-6, 1.04083300e-6, 1.44337567e-6, 1.04083300e-6]},
+        {"angle": 1e-3, "lift": 3e-6, "fixture_share": 0.3},
+        {
+            "gap_spread_sd": [1.04083300e-6, 1.04083300e-6, 1.44337567e-6, 1.04083300e-6],
+            "fixture_gap_spread_sd": [3.12249900e-7, 3.12249900e-7, 4.33012702e-7, 3.12249900e-7],
+        },
     ),
     "surface_adhesion": ({"pressure": 1e5}, {"adhesion_force": [11.1, 11.1, 22.2, 11.1]}),
     # a ramp of 1 N / (9.009 N/s) = 0.11100 s; rests of half of it plus 0.5 ms, 0 and 50 ms

@@ -1,6 +1,7 @@
 """Gap tilt: over a tilted overlap the mean gap varies linearly, which spreads the gaps by a uniform distribution
 of sd angle w_s / sqrt(12) for a tilt across the width and lift / sqrt(12) for one end lifted along the strip.
-It adds in quadrature to the roughness, in contact and force alike. Only the clutch is tilted, not the bench."""
+It adds in quadrature to the roughness, in contact and force alike. The capacitance fixture, where the strip is pressed
+on the film by itself, has an unknown share of it."""
 
 from __future__ import annotations
 
@@ -17,7 +18,10 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
     """gap_spread_sd = sqrt((angle w_s)^2 + lift^2) / sqrt(12), in quadrature with what is there."""
     across = values["angle"] * inputs.conditions.width
     spread = np.sqrt((across**2 + np.asarray(values["lift"]) ** 2) / 12.0)
-    return sockets.with_(gap_spread_sd=np.sqrt(np.asarray(sockets.gap_spread_sd) ** 2 + spread**2))
+    return sockets.with_(
+        gap_spread_sd=np.sqrt(np.asarray(sockets.gap_spread_sd) ** 2 + spread**2),
+        fixture_gap_spread_sd=np.hypot(sockets.fixture_gap_spread_sd, values["fixture_share"] * spread),
+    )
 
 
 EFFECT = Effect(
@@ -45,6 +49,14 @@ EFFECT = Effect(
             neutral=0.0,
             description="gap at one end of the strip against the other",
         ),
+        Parameter(
+            "fixture_share",
+            "1",
+            (0.0, 1.0),
+            1.0,
+            Prior("uniform", 0.0, 1.0),
+            description="share of the spread that the capacitance fixture has too",
+        ),
     ),
     reference=(
         "Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300, doi:10.1098/rspa.1966.0242 (distribution of "
@@ -55,5 +67,6 @@ EFFECT = Effect(
     draw=lambda rng: {
         "angle": rng.uniform(2e-4, 2e-3),
         "lift": rng.uniform(0.0, 8e-6),
+        "fixture_share": rng.uniform(0.0, 1.0),
     },
 )
