@@ -29,7 +29,7 @@ from scipy.special import expit, logit, softmax
 from eaclutch.blind import plan
 from eaclutch.blind.generate import generate_case, write_tables
 from eaclutch.cli.blind_methods import read_case
-from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import decide
@@ -66,7 +66,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
     write_tables(tables, folder)
     study = Study(read_case(folder, "library", {}), load_thresholds())
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
-    found += weigh_pairs(study, found, PAIRS)
+    found = with_pairs(study, found, PAIRS)
     rows = [
         [
             list(r.effects),

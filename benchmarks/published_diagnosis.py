@@ -26,7 +26,7 @@ from eaclutch.config import load_bench
 from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.files import read_inputs
 from eaclutch.diagnosis.gaussian import Linearised, leave_out
-from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import DiagnosisInputs, Study
 from eaclutch.files import read_json, write_json
@@ -78,7 +78,7 @@ def check(inputs: DiagnosisInputs, levels: bool) -> dict[str, Any]:
     """Verdict, closure and the leading hypotheses of one variant; ``levels``: predictions of left-out levels too."""
     study = Study(inputs, load_thresholds())
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
-    found += weigh_pairs(study, found, PAIRS)
+    found = with_pairs(study, found, PAIRS)
     document = conclude(study, found)
     named = tuple(document["verdict"]["effects"])
     out = {

@@ -36,7 +36,12 @@ def rates(t, y, p, load, gap_before, phase, mode, table):
         friction, stiffness, mass, damping = 0.0, p.stiffness, p.mass, p.load_cell_damping
         if mode < 3:
             lift, _ = contact(p, y[0], table)
-            base = p.substrate_weight + load + net - p.film_spring * (gap_before - y[0])
+            base = (
+                p.substrate_weight
+                + load
+                + net
+                - p.film_spring * (gap_before - y[0]) * (1.0 + p.film_hardening * (gap_before - y[0]) ** 2)
+            )
             weak = 1.0 - p.weakening_depth * (1.0 - np.exp(-abs(y[3]) / p.weakening_speed))
             friction = weak * (p.base_kinetic * base + p.film_kinetic * lift) + p.side_friction
             friction = friction if mode == 1 else -friction
@@ -52,7 +57,12 @@ def static_margin(t, y, p, load, gap_before, table):
     """Static friction less the tip's force [N]."""
     net = net_force(p, fields_at(p, t, RELEASING, table), y[0], y[1], load, gap_before, table)
     lift, _ = contact(p, y[0], table)
-    base = p.substrate_weight + load + net - p.film_spring * (gap_before - y[0])
+    base = (
+        p.substrate_weight
+        + load
+        + net
+        - p.film_spring * (gap_before - y[0]) * (1.0 + p.film_hardening * (gap_before - y[0]) ** 2)
+    )
     static = p.static_factor_release * (p.base_static * base + p.film_static * lift) + p.side_friction_static
     kinetic = p.base_kinetic * base + p.film_kinetic * lift + p.side_friction
     return max(static, kinetic) - p.stiffness / (1.0 + p.stiffness * p.series_compliance) * y[2]

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from eaclutch.blind import limits
 from eaclutch.blind.case import build_case
 from eaclutch.blind.plan import Entry
 from eaclutch.blind.truth import Frame, frame_of, scaled_features, truth_of
@@ -56,10 +55,3 @@ def test_shares_of_a_pair_and_the_place_of_the_gap() -> None:
     assert max(shares, key=lambda name: shares[name]).startswith("release_time")
     assert sum(shares.values()) <= 1.0 + 1e-9
     assert truth["distance_calibrated"] <= truth["distance"]
-
-
-def test_a_limit_is_said_in_sizes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(limits, "distance_by_size", lambda name: 5.0 * limits.GRID)
-    found = limits.sizes_at({"gap_tilt": 5.0, "gas_slip": None, "slow_drive": 1e9})
-    assert found["gap_tilt"] == pytest.approx(1.0)
-    assert found["gas_slip"] == found["slow_drive"] == pytest.approx(0.75)

@@ -41,7 +41,7 @@ OPENED = {
     "edge_wrap": {},
     "trapped_charge": {"residual_fraction": 0.4},
     "gas_slip": {},
-    "film_tension": {"stiffness": 3e6},
+    "film_tension": {"stiffness": 1e6, "hardening": 2e11},
     "surface_adhesion": {},
     "contact_aging": {},
 }

@@ -10,10 +10,8 @@ from pathlib import Path
 import click
 
 from eaclutch.blind import sealing
-from eaclutch.blind.candidates import NAMED
 from eaclutch.blind.comparators import Fits, compare
 from eaclutch.blind.generate import generate_case, write_tables
-from eaclutch.blind.limits import sizes_at
 from eaclutch.blind.measured_noise import measure_noise
 from eaclutch.blind.plan import make_plan
 from eaclutch.blind.scoring import score
@@ -56,25 +54,15 @@ def dev(seed: int, none: int, unknown: int, each_single: int, pairs: int, out: P
 @click.option(
     "--seed", type=click.IntRange(min=0), help="Open, reproducible set; default: drawn and kept secret."
 )
-@click.option("--limits", type=_FILE, help="JSON {effect: size}: the frozen forecast's detection limits.")
+@click.option(
+    "--limits",
+    type=_FILE,
+    help="JSON {effect: size}: detection limits; sizes are 2-4 times them.",
+)
 @_output
 def plan(size: str, seed: int | None, limits: Path | None, output: Path) -> None:
     """Draw the secret plan of a benchmark; it belongs with the answers."""
     sealing.write_secret(output, sealing.draw_plan(size, seed, read_json(limits) if limits else None))
-
-
-@blind.command("limits")
-@click.option(
-    "--forecast", type=_FILE, required=True, help="confusion.json, frozen before anything is sealed."
-)
-@_output
-def limits_of(forecast: Path, output: Path) -> None:
-    """Say a forecast's detection limits in the generator's sizes (config key blind.limits)."""
-    stated = read_json(forecast)["limits"]
-    reached = {
-        name: entry["distance"] if entry["size"] is not None else None for name, entry in stated.items()
-    }
-    write_json(output, sizes_at({name: reached[name] for name in NAMED if name in reached}))
 
 
 @blind.command("seal")

@@ -15,7 +15,7 @@ from eaclutch.config import load_bench
 from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.files import bursts as bursts_table
 from eaclutch.diagnosis.nameless import nameless_fit
-from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import DiagnosisInputs, Study
@@ -48,7 +48,7 @@ def diagnose_case(
     study = Study(inputs, load_thresholds(), seed)
     found = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
     pairs = settings.get("diagnosis", {}).get("pairs", 6)
-    found += weigh_pairs(study, found, pairs)
+    found = with_pairs(study, found, pairs)
     document = conclude(study, found)
     named = tuple(document["verdict"]["effects"])
     after = next((result for result in found if set(result.effects) == set(named)), found[0])

@@ -12,7 +12,7 @@ from eaclutch.config.slices import parse_settings
 from eaclutch.diagnosis.conclude import conclude, gap_summary
 from eaclutch.diagnosis.files import read_inputs
 from eaclutch.diagnosis.forecast import Forecast
-from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.planned import planned_study
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
@@ -77,7 +77,7 @@ def diagnosis(
     study = _study(campaign, results, settings, seed)
     found = [study.weigh(())] + [CandidateResult.read(read_json(path)) for path in candidates]
     pairs = parse_settings(settings).get("diagnosis", {}).get("pairs", 6)
-    write_json(output, conclude(study, [*found, *weigh_pairs(study, found, pairs)]))
+    write_json(output, conclude(study, with_pairs(study, found, pairs)))
 
 
 @click.command("confusion")

@@ -12,7 +12,41 @@ from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.study import Study
 
 WORTH_A_PAIR = 4.0  # nats that the best single effect must gain
+WORTH_AGAIN = 3.0  # nats that a pair gains over one of its effects
 LEADERS = 3  # singles that a second effect is tried on top of
+
+
+def with_pairs(study: Study, found: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
+    """``found`` with the most promising pairs. The leading singles are fitted once more from where others stand, and
+    each single from where a pair that does better stands: what an effect gains must not be that another fit stopped
+    short."""
+    results = list(found)
+    for i in _leaders(results):
+        others = [r for r in results if len(r.effects) == 1 and r is not results[i]]
+        if others:
+            results[i] = _again(study, results[i], max(others, key=lambda r: r.log_evidence))
+    pairs = weigh_pairs(study, results, limit)
+    for i, single in enumerate(results):
+        above = [pair for pair in pairs if single.effects and set(single.effects) < set(pair.effects)]
+        best = max(above, key=lambda pair: pair.log_evidence, default=single)
+        if best.log_evidence > single.log_evidence + WORTH_AGAIN:
+            results[i] = _again(study, single, best)
+    return results + pairs
+
+
+def _leaders(results: Sequence[CandidateResult]) -> list[int]:
+    """Places of the best singles that gain something over the base model."""
+    plain = max((r.log_evidence for r in results if not r.effects), default=np.inf)
+    worth = [
+        i for i, r in enumerate(results) if len(r.effects) == 1 and r.log_evidence > plain + WORTH_A_PAIR
+    ]
+    return sorted(worth, key=lambda i: -results[i].log_evidence)[:LEADERS]
+
+
+def _again(study: Study, single: CandidateResult, other: CandidateResult) -> CandidateResult:
+    """The better of a fit and the same from the calibrated parameters of another."""
+    again = study.weigh(single.effects, _seeds([single]) | _seeds([other]))
+    return max(single, again, key=lambda result: result.log_evidence)
 
 
 def weigh_pairs(study: Study, singles: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
@@ -53,5 +87,5 @@ def _seeds(singles: Sequence[CandidateResult]) -> dict[str, float]:
     seeds = {name: float(entry["mean"]) for name, entry in strongest.calibrated.items()}
     for single in singles:
         for name, entry in single.parameters.items():
-            seeds[f"{single.effects[0]}.{name}"] = float(entry["mean"])
+            seeds[name if "." in name else f"{single.effects[0]}.{name}"] = float(entry["mean"])
     return seeds

@@ -27,8 +27,8 @@ class CandidateResult:
     found by itself; log_evidence_without_open: of that with a nameless remainder. log_density: by
     left-out condition. errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
     without and with the entry's condition in the fit. shift: how far the effect moves each entry. adequate_p:
-    absolute gate with the effect in. parameters: the effect's own; calibrated: {name: {mean, sd, unit,
-    prior_sds}}.
+    absolute gate with the effect in. parameters: the effect's own (a pair's with its name in front); calibrated:
+    {name: {mean, sd, unit, prior_sds}}.
     """
 
     effects: tuple[str, ...]
@@ -110,7 +110,7 @@ def summarise(
     for i, parameter in enumerate(forward.parameters):
         entry = {"mean": float(mode.theta[i]), "sd": float(mode.sd[i]), "unit": parameter.unit}
         if forward.own(parameter.name):
-            own[parameter.name.split(".", 1)[1]] = entry
+            own[parameter.name if len(fitted.effects) > 1 else parameter.name.split(".", 1)[1]] = entry
         elif "." not in parameter.name:
             calibrated[parameter.name] = entry | {"prior_sds": float(mode.u[i])}
     return CandidateResult(

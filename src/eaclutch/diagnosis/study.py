@@ -40,6 +40,7 @@ from eaclutch.rig.table import conditions_from_runs
 SOLVER_TOLERANCE = 1e-3
 LARGEST_CARRIED = 0.5  # sd on the comparison scale; a run that starts on an edge is not worth less than that
 WORTH_OPENING = 3.0  # nats over the base model
+SAME_PLACE = 1.0  # nats between two fits of one hypothesis that ended in the same place
 SESSION_SPREADS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 
@@ -206,15 +207,16 @@ class Study:
     def _without(self, fitted: HypothesisFit) -> tuple[float, float]:
         """Evidence of the base model, and with a nameless remainder, fitted once more from the calibrated parameters
         of a better fit: what an effect gains must not be that its fit ended in a better place."""
-        found = self.base.log_evidence, self.nameless.log_evidence
-        if not fitted.effects or fitted.log_evidence < self.base.log_evidence + WORTH_OPENING:
-            return found
+        plain, remainder = self.base.log_evidence, self.nameless.log_evidence
+        if not fitted.effects or fitted.log_evidence < plain + WORTH_OPENING:
+            return plain, remainder
         again = fit_hypothesis(
             self.forward(()), self.data, self.kernels, self.thresholds, seeds=fitted.parameters
         )
-        if again.log_evidence <= self.base.log_evidence:
-            return found
-        return again.log_evidence, max(found[1], self._open(again))
+        gain = max(again.log_evidence - plain, 0.0)
+        if gain < SAME_PLACE:
+            return plain + gain, remainder + gain
+        return plain + gain, max(remainder, self._open(again))
 
     def _open(self, fitted: HypothesisFit) -> float:
         """Evidence with a nameless remainder; worked out only where the effects explain something at all."""

@@ -52,7 +52,10 @@ class Sockets:
     film_weight: FloatArray | float = 0.0  # N; m_d g
     damping_factor: FloatArray | float = 0.0  # multiplies the squeeze-film coefficient; 0 = no squeeze film
     slip_length: FloatArray | float = 0.0  # m; F_b = -c / (h^2 (h + 6 slip_length)) dh/dt
-    film_spring: FloatArray | float = 0.0  # N/m; carries film_spring * (h_before - h) of the load
+    film_spring: FloatArray | float = (
+        0.0  # N/m; carries film_spring * y (1 + film_hardening y^2) of the load, ..
+    )
+    film_hardening: FloatArray | float = 0.0  # 1/m2; .. y = h_before - h
     # friction
     friction_factor: FloatArray | float = (
         1.0  # multiplies all four coefficients throughout (the preload follows from the same friction)

@@ -76,8 +76,8 @@ CASES = {
     ),
     "gas_slip": ({"mean_free_path": 1e-6}, {"slip_length": 1e-6}),
     "film_tension": (
-        {"stiffness": 2e6},
-        {"film_spring": 1.11e5},
+        {"stiffness": 2e6, "hardening": 3e10},
+        {"film_spring": 1.11e5, "film_hardening": 3e10},
     ),
     # exp(0.75 * 0.2) on the force, exp(0.25 * 0.2) on friction, in the second session only
     "session_drift": (

@@ -1,5 +1,6 @@
-"""Film tension: the film is clamped beside the strip; pulled towards it by h_before - h it answers with a spring
-force s (h_before - h), s proportional to the overlap length. What part of the preload it carries from the start
+"""Film tension: the film is clamped beside the strip; pulled towards it by y = h_before - h it answers with a spring
+force s y (1 + b y^2), s proportional to the overlap length: bending and pre-tension are linear, and stretching adds a
+cubic part, which for a slack, thin film is the larger one. What part of the preload it carries from the start
 cannot be seen: the preload is known from the friction before, which only feels what reaches the strip."""
 
 from __future__ import annotations
@@ -14,9 +15,10 @@ from eaclutch.records import FloatArray
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """film_spring = s' L_s."""
+    """film_spring = s' L_s, film_hardening = b."""
     return sockets.with_(
-        film_spring=sockets.film_spring + values["stiffness"] * inputs.bench.pad.overlap_length
+        film_spring=sockets.film_spring + values["stiffness"] * inputs.bench.pad.overlap_length,
+        film_hardening=sockets.film_hardening + values["hardening"],
     )
 
 
@@ -36,14 +38,25 @@ EFFECT = Effect(
             neutral=0.0,
             description="restoring force per gap closed and overlap length",
         ),
+        Parameter(
+            "hardening",
+            "1/m2",
+            (0.0, 2e12),
+            0.0,
+            Prior("halfnormal", 1e11),
+            neutral=0.0,
+            description="share by which stretching adds to that, per gap closed squared",
+        ),
     ),
     reference=(
         "Rauf & Follmer, Extreme Mechanics Letters 79 (2025) 102382, doi:10.1016/j.eml.2025.102382 (clamped "
-        "film of its bench); linear membrane spring derived here"
+        "film of its bench); Timoshenko & Woinowsky-Krieger, Theory of Plates and Shells (1959), ch. 13 (cubic "
+        "stretching of clamped plates); lumped here"
     ),
     validity="gap changes small against the span of the film",
     apply=apply,
     draw=lambda rng: {
         "stiffness": float(np.exp(rng.uniform(np.log(1e5), np.log(1.5e6)))),
+        "hardening": float(rng.uniform(0.0, 2e11)),
     },
 )

@@ -8,7 +8,7 @@ import math
 
 from eaclutch.physics.kernels.compiled import compiled, inlined
 from eaclutch.physics.kernels.drive import electroadhesion, electroadhesion_slopes, fields_at
-from eaclutch.physics.kernels.forces import adhesion, contact, squeeze
+from eaclutch.physics.kernels.forces import adhesion, contact, squeeze, tension
 
 GAMMA = 0.25
 A21 = 1.544000000000000
@@ -32,7 +32,8 @@ def net_force(p, fields, h, v, load, gap_before, tables):
     down = electroadhesion(p, fields, h, tables)
     pull, _ = adhesion(p, h)
     c, _ = squeeze(p, h)
-    return up - down - pull - load + p.film_spring * (gap_before - h) - c * v
+    held, _ = tension(p, gap_before - h)
+    return up - down - pull - load + held - c * v
 
 
 @inlined
@@ -42,8 +43,9 @@ def net_force_slopes(p, t, h, v, load, gap_before, phase, tables):
     down, down_h, down_t = electroadhesion_slopes(p, t, phase, h, tables)
     pull, pull_h = adhesion(p, h)
     c, c_h = squeeze(p, h)
-    net = up - down - pull - load + p.film_spring * (gap_before - h) - c * v
-    return net, up_h - down_h - pull_h - p.film_spring - c_h * v, -c, -down_t
+    held, stiff = tension(p, gap_before - h)
+    net = up - down - pull - load + held - c * v
+    return net, up_h - down_h - pull_h - stiff - c_h * v, -c, -down_t
 
 
 @inlined

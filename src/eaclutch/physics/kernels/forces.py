@@ -36,6 +36,13 @@ def adhesion(p, h):
 
 
 @inlined
+def tension(p, drawn):
+    """(force of the film drawn down by ``drawn`` [m], its derivative) [N, N/m]."""
+    hard = p.film_hardening * drawn * drawn
+    return p.film_spring * drawn * (1.0 + hard), p.film_spring * (1.0 + 3.0 * hard)
+
+
+@inlined
 def squeeze(p, h):
     """(c(h), dc/dh) with F_b = -c dh/dt; c = damping / (h^2 (h + 6 slip_length))."""
     h = max(h, SMALLEST_GAP)

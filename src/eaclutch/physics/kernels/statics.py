@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from eaclutch.physics.kernels.compiled import compiled
-from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_slopes
+from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_slopes, tension
 from eaclutch.physics.kernels.lookup import log_contact
 
 OK, PULL_IN, NEVER_SLIPS, TIMED_OUT = 0, 1, 2, 3
@@ -72,8 +72,9 @@ def rest_before(p, tables):
 def net_log(p, h, load, gap_before, force, force_h, tables):
     """(log of what lifts over what presses, its slope in h); positive where the film is pushed up."""
     up, up_h = contact(p, h, tables)
-    up += p.film_spring * (gap_before - h)
-    up_h -= p.film_spring
+    held, stiff = tension(p, gap_before - h)
+    up += held
+    up_h -= stiff
     pull, pull_h = adhesion(p, h)
     down, down_h = force + pull + load, force_h + pull_h
     return math.log(up / down), up_h / up - down_h / down
