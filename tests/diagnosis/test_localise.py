@@ -71,3 +71,16 @@ def test_no_gap_has_no_place(campaign):
     found = [where(campaign, np.random.default_rng(s).normal(0.0, 0.02, 2 * RUNS), s).rows for s in range(20)]
     # one family-wise error of 5 % for the whole table: more than five of twenty would be a chance of 3e-4
     assert sum(bool(rows) for rows in found) <= 5
+
+
+def test_the_place_of_a_named_effect_is_where_it_acts_however_small_its_gap(campaign):
+    data, cells, late = campaign
+    rng = np.random.default_rng(1)
+    errors, explained = rng.normal(0.0, 0.02, 2 * RUNS), np.zeros(2 * RUNS)
+    explained[:RUNS][late] = -0.01
+    simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
+    (row,) = localise(data, cells, np.full(RUNS, 0.1), errors, simulated, rng, explained).rows
+    assert row["observable"] == "release_time_50_s"
+    assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
+    assert row["direction"] == "-" and row["share"] == pytest.approx(1.0)
+    assert row["p_value"] > 0.05  # noise alone would not have shown it, and the table says so

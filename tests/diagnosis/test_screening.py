@@ -64,6 +64,16 @@ def test_what_an_effect_gains_counts_from_the_best_base_fit():
     assert sum(refitted.values()) == pytest.approx(1.0)
 
 
+def test_a_nameless_remainder_counts_beside_the_best_base_fit_and_not_on_top_of_it():
+    thresholds = load_thresholds()
+    base = weighed(NONE, 0.0)
+    base.log_evidence_without_open = 30.0
+    named = weighed(("gap_tilt",), 45.0, without=25.0)
+    named.log_evidence_without_open = 32.0
+    found = probabilities([base, named], thresholds)
+    assert max(found, key=found.__getitem__) == ("gap_tilt",)
+
+
 def test_an_effect_is_as_likely_beforehand_beside_few_others_as_beside_many():
     thresholds = load_thresholds()
     few = probabilities([weighed(NONE, 0.0), weighed(("gap_tilt",), 4.0)], thresholds)

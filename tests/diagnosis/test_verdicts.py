@@ -79,6 +79,21 @@ def test_a_compliant_train_is_named_and_its_size_found(compliant):
     assert {row["phase"] for row in compliant["where"]} & {"ramp", "release"}
 
 
+def test_what_is_left_out_is_predicted_by_a_fit_without_it():
+    """Closed forms and the model itself agree near the fit, and a stuck fit is found again from a better one."""
+    study = Study(
+        inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}), load_thresholds(), seed=3
+    )
+    found = study.weigh(("series_compliance",))
+    count = study.data.run_entries
+    within, out = np.array(found.errors)[:count], np.array(found.errors_left_out)[:count]
+    sd = np.sqrt(study.repeat_variance[:count])
+    assert np.median(np.abs(out / sd)) < 3.0 * np.median(np.abs(within / sd)) + 1.0
+    assert not np.allclose(out, within)
+    base = np.array(study.weigh(()).errors_left_out)[:count]
+    assert np.mean((out / sd) ** 2) < 0.2 * np.mean((base / sd) ** 2)
+
+
 @pytest.mark.parametrize("seed", [9, 10, 11])
 def test_no_gap_is_called_no_gap_whatever_the_noise(seed):
     assert diagnose(inputs(seed=seed))["verdict"]["effects"] == []

@@ -6,7 +6,6 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from scipy.special import ndtr, ndtri
 
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.result import CandidateResult
@@ -19,12 +18,11 @@ def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, sim
                 rng: np.random.Generator) -> dict[str, Any]:  # fmt: skip
     """Contract's ``closure``: before, after, floor, shrinkage and its 90 % interval.
 
-    ``simulated`` (campaigns,): the statistic of campaigns without a gap; their median is the floor. What is closed is
-    resampled over conditions (their cells move together). What is left, r >= 0, is the statistic after less this
-    campaign's own noise, of which the simulated ones say how much there may be: r follows their normal
-    approximation, cut at zero. The interval is of closed / (closed + r), and of anything in 0..1 to the extent that
-    noise alone makes as large a gap before. One that does not exceed the floor has nothing to close: shrinkage 0,
-    interval 0..1.
+    ``simulated`` (campaigns,): the statistic of campaigns without a gap; their median is the floor. What is closed and
+    what is left are resampled over conditions (their cells move together), at least as widely as the simulated ones
+    scatter. The interval is of closed / (closed + left), which ends at 1 unless something is left beyond that noise,
+    and of anything in 0..1 to the extent that noise alone makes as large a gap before. One that does not exceed the
+    floor has nothing to close: shrinkage 0, interval 0..1.
     """
     floor = float(np.median(simulated))
     before_cells = _ratios(cells, base)
@@ -36,19 +34,27 @@ def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, sim
     counts, index = _condition_draws(cells, rng)
     size = counts @ np.bincount(index)
     closed = (counts @ np.bincount(index, weights=before_cells - after_cells)) / size
+    left = (counts @ np.bincount(index, weights=after_cells)) / size - floor
     low, high = np.quantile(simulated, [0.16, 0.84])
-    spread = max(0.5 * float(high - low), 1e-9)
-    least = ndtr((floor - later) / spread)
-    left = later - floor + spread * ndtri(np.clip(rng.uniform(least, 1.0, BOOTSTRAPS), 1e-9, 1.0 - 1e-9))
-    whole = closed + np.maximum(left, 0.0)
-    real = (whole > 0) & (rng.choice(simulated, BOOTSTRAPS) < before)
-    share = np.divide(closed, whole, out=np.zeros_like(closed), where=real)
+    # sessions scatter together, which conditions drawn anew do not show
+    missing = max((0.5 * float(high - low)) ** 2 - float(np.var(left)), 0.0)
+    left = left + np.sqrt(missing) * rng.standard_normal(BOOTSTRAPS)
+    real = rng.choice(simulated, BOOTSTRAPS) < before
     shrinkage = (before - later) / (before - floor)
-    bottom, top = np.quantile(np.where(real, share, 0.0), 0.05), np.quantile(np.where(real, share, 1.0), 0.95)
+    least = _share(closed, np.maximum(left, 0.0), real, 0.0)
+    most = np.minimum(_share(closed, left, real, 1.0), max(1.0, shrinkage))
+    bottom, top = np.quantile(least, 0.05), np.quantile(most, 0.95)
     return {
         "before": before, "after": later, "noise_floor": floor, "shrinkage": float(shrinkage),
         "interval": [float(min(bottom, shrinkage)), float(max(top, shrinkage))], "held_out_by": "condition",
     }  # fmt: skip
+
+
+def _share(closed: FloatArray, left: FloatArray, real: np.ndarray, otherwise: float) -> FloatArray:
+    """closed / (closed + left); 1 where less than nothing is left, ``otherwise`` where the gap is not real."""
+    whole = closed + left
+    share = np.divide(closed, whole, out=np.ones_like(closed), where=whole > 0)
+    return np.where(real, share, otherwise)
 
 
 def total_gap(cells: Cells, base: CandidateResult, after: CandidateResult, floor: float,

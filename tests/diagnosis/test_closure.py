@@ -1,0 +1,47 @@
+"""How far a gap closes: the contract's formula, and an interval that says what noise leaves open."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from scipy import sparse
+
+from eaclutch.diagnosis.cells import Cells
+from eaclutch.diagnosis.closure import gap_numbers
+
+CONDITIONS, REPEATS = 20, 3
+N = CONDITIONS * REPEATS
+CELLS = Cells(
+    np.array(["release_time_50_s"] * N, dtype=object),
+    np.repeat([f"c{i}" for i in range(CONDITIONS)], REPEATS).astype(object),
+    np.ones(N), np.ones(N), sparse.identity(N, format="csr"), np.ones(N), np.zeros(N, dtype=bool), np.ones(N),
+)  # fmt: skip
+FLOORS = np.random.default_rng(0).chisquare(N, 400) / N
+
+
+def numbers(gap: float, left: float, seed: int) -> dict:
+    """Closure where a gap of ``gap`` noise sds (its sign differs by condition) closes to ``left``."""
+    rng = np.random.default_rng(seed)
+    noise, sign = rng.standard_normal(N), np.repeat(rng.choice([-1.0, 1.0], CONDITIONS), REPEATS)
+    before, after = (SimpleNamespace(errors_left_out=size * sign + noise) for size in (gap, left))
+    return gap_numbers(CELLS, before, after, FLOORS, np.random.default_rng(seed + 1))
+
+
+def test_shrinkage_is_the_contracts_and_lies_in_its_interval():
+    found = numbers(3.0, 1.0, 1)
+    expected = (found["before"] - found["after"]) / (found["before"] - found["noise_floor"])
+    assert found["shrinkage"] == pytest.approx(expected)
+    assert found["interval"][0] <= found["shrinkage"] <= found["interval"][1]
+
+
+@pytest.mark.parametrize(("left", "truth"), [(0.0, 1.0), (1.0, 8 / 9), (2.0, 5 / 9)])
+def test_intervals_cover_the_share_that_was_closed(left, truth):
+    held = [numbers(3.0, left, 2 * seed) for seed in range(60)]
+    covered = np.mean([d["interval"][0] <= truth <= d["interval"][1] for d in held])
+    assert covered >= 0.8  # of 90 % intervals: fewer than 48 of 60 would be a chance of 1 %
+    assert np.median([d["interval"][1] - d["interval"][0] for d in held]) < 0.35
+
+
+def test_a_gap_that_noise_may_have_made_leaves_everything_open():
+    found = numbers(0.2, 0.2, 5)
+    assert found["interval"][0] <= 0.0 and found["interval"][1] >= 1.0
