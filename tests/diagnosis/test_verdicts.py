@@ -1,6 +1,7 @@
 """From tables to diagnosis.json on campaigns that the library simulates itself: the plumbing, not the benchmark."""
 
 import json
+from dataclasses import replace
 from datetime import date
 
 import jsonschema
@@ -8,6 +9,7 @@ import numpy as np
 import pytest
 
 from eaclutch.diagnosis.conclude import conclude
+from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import DiagnosisInputs, Study
@@ -92,6 +94,18 @@ def test_what_is_left_out_is_predicted_by_a_fit_without_it():
     assert not np.allclose(out, within)
     base = np.array(study.weigh(()).errors_left_out)[:count]
     assert np.mean((out / sd) ** 2) < 0.2 * np.mean((base / sd) ** 2)
+
+
+def test_a_fit_that_stopped_short_is_made_again_from_where_others_stand():
+    study = Study(
+        inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}), load_thresholds(), seed=3
+    )
+    found = [study.weigh(effects) for effects in ((), ("series_compliance",), ("substrate_inertia",))]
+    short = replace(found[1], log_evidence=found[1].log_evidence - 6.0)
+    again = with_pairs(study, [found[0], short, found[2]], 1)
+    assert [r.effects for r in again[:3]] == [r.effects for r in found]
+    assert again[1].log_evidence > short.log_evidence + 5.0
+    assert all("." in name for name in again[3].parameters), "a pair says whose each parameter is"
 
 
 @pytest.mark.parametrize("seed", [9, 10, 11])
