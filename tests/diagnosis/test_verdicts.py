@@ -94,6 +94,9 @@ def test_what_is_left_out_is_predicted_by_a_fit_without_it():
     assert not np.allclose(out, within)
     base = np.array(study.weigh(()).errors_left_out)[:count]
     assert np.mean((out / sd) ** 2) < 0.2 * np.mean((base / sd) ** 2)
+    # without a name for it the same gap is a smooth term: most of what the base model's residuals hold
+    nameless, residual = study.nameless.discrepancy[:count], study.base.residual[:count]
+    assert np.sum((residual - nameless) ** 2 / sd**2) < 0.3 * np.sum(residual**2 / sd**2)
 
 
 def test_a_fit_that_stopped_short_is_made_again_from_where_others_stand():

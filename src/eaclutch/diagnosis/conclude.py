@@ -16,7 +16,7 @@ from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import Verdict, decide
-from eaclutch.diagnosis.weigh import NONE, by_effect, probabilities
+from eaclutch.diagnosis.weigh import NONE, UNKNOWN, by_effect, probabilities
 from eaclutch.records import FloatArray
 
 CAMPAIGNS = 400  # simulated, for every p-value and the noise floor
@@ -48,7 +48,7 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
         elsewhere @ sound.w,
         null.strict @ elsewhere.T,
         study.generator(13),
-        explained=None if after is base else np.array(after.shift),
+        explained=_explained(study, verdict, after),
     )
     units = {channel.name: channel.unit for channel in study.data.channels}
     closure = gap_numbers(study.cells, base, after, squares, study.generator(12))
@@ -84,6 +84,13 @@ def gap_summary(study: Study, base: CandidateResult) -> dict[str, Any]:
         "adequate_p": base.adequate_p, "block_p": dict(base.block_p), "entries": len(study.data),
         "cells": len(study.cells.variance), "repeat_dof": study.dof, "notes": caveats(study),
     }  # fmt: skip
+
+
+def _explained(study: Study, verdict: Verdict, after: CandidateResult) -> FloatArray | None:
+    """What of the base model's errors (entries,) the verdict accounts for; None where there is no gap."""
+    if verdict.effects == UNKNOWN:
+        return study.nameless.discrepancy
+    return np.array(after.shift) if after.effects else None
 
 
 def _after(verdict: Verdict, results: Sequence[CandidateResult], base: CandidateResult) -> CandidateResult:

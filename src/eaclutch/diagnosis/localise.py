@@ -2,8 +2,9 @@
 
 All p-values come from the same simulated campaigns as the gate's, adjusted for the whole table at once. The
 table that is tested is larger than the one that is shown: every observable with every two-way split of every
-factor, besides "all". Where an effect is named, its place is where its prediction departs from the base model's:
-repeats and sessions scatter around that, and a place that noise alone would not have shown has a large p-value.
+factor, besides "all". Where an effect is named, its place is where it acts; where none fits, it is where the nameless
+smooth term departs from the base model. Repeats and sessions scatter around that: a place that noise alone would not
+have shown has a large p-value.
 """
 
 from __future__ import annotations
@@ -107,7 +108,7 @@ def localise(
 
     errors (entries,): measured less predicted by the base model, conditions left out; simulated
     (campaigns, entries): the same of campaigns simulated from it. explained (entries,): what of these errors the
-    named effect predicts, if one is named. Returns rows sorted by share.
+    verdict accounts for, if there is a gap. Returns rows sorted by share.
     """
     n = data.run_entries
     splits = splits_of(data, preload)

@@ -23,11 +23,13 @@ SESSION = "session spread"
 
 @dataclass(frozen=True)
 class Nameless:
-    """log_evidence (nats); factors: how much each block's tolerance (and the session spread) was blown up."""
+    """log_evidence (nats); factors: how much each block's tolerance (and the session spread) was blown up;
+    discrepancy (entries,): the smooth term itself, as the data put it."""
 
     log_evidence: float
     factors: dict[str, float]
     linearised: Linearised
+    discrepancy: FloatArray
 
 
 def nameless_fit(
@@ -72,7 +74,10 @@ def nameless_fit(
         # nothing asks for more freedom; what stands for this hypothesis is one block that takes it all the same
         evidence = float(logsumexp([table[name][grid > 1.0] for name in names]))
     covariance = _covariance(factors, data, kernels, signature, share)
-    return Nameless(evidence, factors, Linearised(base.w, base.jacobian, covariance))
+    linearised = Linearised(base.w, base.jacobian, covariance)
+    own = np.array([factors[block] for block in data.block])
+    smooth = kernels.tolerance * np.outer(own, own)
+    return Nameless(evidence, factors, linearised, smooth @ np.linalg.solve(linearised.marginal(), base.w))
 
 
 def _covariance(
