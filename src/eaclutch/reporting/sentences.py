@@ -131,7 +131,10 @@ def where_sentence(entry: Mapping[str, Any], whole: str = "closable gap") -> str
     share = percent(entry.get("share"))
     if None not in interval:
         share += f" ({percent(interval[0])} to {percent(interval[1])})"
-    return f"{place_words(entry)}: {share} of the {whole}, p = {number(entry.get('p_value'), 2)}."
+    chance = f"p = {number(entry.get('p_value'), 2)}"
+    if (entry.get("p_value") or 0.0) >= 0.05:
+        chance = f"which alone, without the rest, noise could have made ({chance})"
+    return f"{place_words(entry)}: {share} of the {whole}, {chance}."
 
 
 def place_words(entry: Mapping[str, Any]) -> str:
