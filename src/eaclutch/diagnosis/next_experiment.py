@@ -49,6 +49,8 @@ def next_experiments(
     distance = (predictions[:, None] - predictions[None]) ** 2 / variance[:, None]
     distance = np.nansum(distance, axis=2)  # (i, j, settings)
     information = -np.einsum("i,ig->g", p, np.log(np.einsum("j,ijg->ig", p, np.exp(-distance / 8.0))))
+    # as far as one of them is true at all: what the library lacks predicts nothing that could be separated
+    information *= 1.0 - weights.get(UNKNOWN, 0.0)
     found: list[dict[str, Any]] = []
     for i in np.argsort(-information):
         pair = _separated(distance[:, :, i], p)
@@ -104,13 +106,9 @@ def _preload(study: Study, grid: RunConditions) -> FloatArray:
 def _predict(study: Study, result: CandidateResult, grid: RunConditions) -> FloatArray:
     """(channels, settings) on the comparison scale, not-a-number where the model gives none."""
     named = {name: np.array([entry["mean"]]) for name, entry in result.calibrated.items()}
-    prefixes = {f"{effect}.": effect for effect in result.effects}
-    for prefix in prefixes:
-        # own parameters are stored without their prefix; a name belongs to the effect whose model has it
-        for parameter in study.model(result.effects).parameters.values():
-            short = parameter.name.removeprefix(prefix)
-            if parameter.name.startswith(prefix) and short in result.parameters:
-                named[parameter.name] = np.array([result.parameters[short]["mean"]])
+    for name, entry in result.parameters.items():
+        # a single effect's own parameters are stored without its name
+        named[name if "." in name else f"{result.effects[0]}.{name}"] = np.array([entry["mean"]])
     plain = Readings((), np.full(len(grid), -1), False)
     return plain.predict(study.model(result.effects), grid, plain.without(named), study.data.channels)[0]
 
