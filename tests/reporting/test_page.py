@@ -61,7 +61,7 @@ def test_the_first_screen_says_the_verdict_and_its_caveats(results_folder: Path)
         "varies together with session",
         "rests on its prior",
         "has not converged",
-        "1 of 12 runs is left out (the voltage never came on)",
+        "1 of 12 runs is not used (the voltage never came on)",
         "90 % release time at drive frequency ≤ 10 Hz lies above the prediction (61 % of the closable gap)",
     ):
         assert words in header

@@ -71,7 +71,8 @@ def closure_figure(diagnosis: Mapping[str, Any]) -> Picture | None:
             figure,
             "closure",
             f"Bars of the gap on left-out conditions: {text}; noise floor {number(floor)}.",
-            f"How far: {text}; a perfect model would reach about {number(floor)}. Conditions that the fit did not see.",
+            f"How far: {text}; a right model would reach about {number(floor)}, the noise floor. Conditions that "
+            "the fit did not see; the whisker is a 90 % interval over them.",
         )
 
 
@@ -130,8 +131,9 @@ def by_observable_figure(results: Results) -> Picture | None:
             figure,
             "by-observable",
             "Dots of the gap of each observable, before and after the verdict, with its noise floor.",
-            f"Largest for its size: {observable_words(name)}, {number(float(scale(worst['before'])))} {scale.unit}, "
-            f"where repeats alone would give {number(float(scale(worst.get('noise_floor') or 0)))} {scale.unit}.",
+            f"Largest against its typical value: {observable_words(name)}, {number(float(scale(worst['before'])))} "
+            f"{scale.unit}, where repeats alone would give "
+            f"{number(float(scale(worst.get('noise_floor') or 0)))} {scale.unit}. Grey: by itself within noise.",
         )
 
 

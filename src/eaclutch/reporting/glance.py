@@ -41,7 +41,7 @@ def glance(results: Results) -> list[tuple[str, str]]:
             results.diagnosis
         ),
         "How far": how_far_line(results.diagnosis),
-        "Left out": left_out_line(results),
+        "Runs": runs_line(results),
         "Next": next_line(results.diagnosis),
     }
     return [(head, text) for head, text in lines.items() if text]
@@ -66,13 +66,13 @@ def how_far_line(diagnosis: Mapping[str, Any]) -> str:
     if before is None or floor is None:
         return ""
     named = diagnosis["verdict"]["effects"]
-    text = f"The squared error on left-out conditions is {number(before)} times the repeats' variance"
+    text = f"On conditions that the fit did not see, the squared error is {number(before)} times the repeats' variance"
     if after is not None and named and named != ["unknown"]:
         text += f", with {effect_words(named)} {number(after)}"
-    return f"{text}; a right model would have {number(floor)}."
+    return f"{text}; with a right model, noise and sessions alone would make it {number(floor)}."
 
 
-def left_out_line(results: Results) -> str:
+def runs_line(results: Results) -> str:
     """Runs that are not used, with their reasons, and how many lack a leading observable."""
     runs = results.runs
     used = runs["usable"].astype(str).str.lower() == "true"
@@ -84,7 +84,11 @@ def left_out_line(results: Results) -> str:
         for row in runs[~used].itertuples()
     )
     unused = int((~used).sum())
-    text = f"{unused or 'None'} of {len(runs)} runs {'is' if unused <= 1 else 'are'} left out"
+    text = (
+        f"{unused} of {len(runs)} runs {'is' if unused == 1 else 'are'} not used"
+        if unused
+        else f"All {len(runs)} are used"
+    )
     if len(whys) == 1:
         text += f" ({next(iter(whys))})"
     elif whys:
