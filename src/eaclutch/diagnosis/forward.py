@@ -110,24 +110,25 @@ class Forward:
 
 
 class RepresentativeForward:
-    """Predictions of the data vector from one run a (condition, session): the one nearest to its group's mean
-    force at switch-off. Good for differences, not for residuals."""
+    """Predictions of the data vector from one run an entry: of those that the entry averages, the one nearest to
+    their median force at switch-off (a run that is not used may stand where no other does, and must not speak for
+    them). Good for differences, not for residuals."""
 
     def __init__(self, full: Forward):
         self.full = full
         data = full.data
-        groups = data.groups
+        count = len(data.conditions)
         force = np.nan_to_num(data.conditions.switch_off_force)
         chosen = []
-        for label in range(int(groups.max()) + 1):
-            rows = np.flatnonzero(groups == label)
+        for i in range(data.run_entries):
+            rows = data.average.indices[data.average.indptr[i] : data.average.indptr[i + 1]] % count
+            rows = np.sort(rows)
             chosen.append(rows[int(np.argmin(np.abs(force[rows] - np.median(force[rows]))))])
-        self.rows = np.array(chosen)
+        self.rows, self.place = np.unique(np.array(chosen, dtype=int), return_inverse=True)
         self.conditions = data.conditions.select(self.rows)
         self.channel = np.array(
             [[c.name for c in data.channels].index(n) for n in data.channel[: data.run_entries]]
         )
-        self.group = data.entry_group
 
     def predict(self, theta: FloatArray) -> FloatArray:
         """Entries (draws, entries) for parameters (draws, params) in natural units."""
@@ -141,7 +142,7 @@ class RepresentativeForward:
             full.model, self.conditions, named, full.data.channels
         )
         finite = np.where(np.isfinite(scaled), scaled, 0.0)
-        entries = finite[:, self.channel, self.group]
+        entries = finite[:, self.channel, self.place]
         return np.concatenate([entries, self.full.bench(named, draws)], axis=1)
 
 
