@@ -99,6 +99,18 @@ def test_what_is_left_out_is_predicted_by_a_fit_without_it():
     assert np.sum((residual - nameless) ** 2 / sd**2) < 0.3 * np.sum(residual**2 / sd**2)
 
 
+def test_no_run_speaks_for_an_entry_that_does_not_average_it():
+    given = inputs()
+    table = given.table.copy()
+    first = table.index[table["condition"] == table["condition"].iloc[0]][1:]
+    table.loc[first, "release_time_90_s"] = np.nan  # all but one repeat are of no use there
+    study = Study(replace(given, table=table), load_thresholds())
+    few = study.forward(()).representative
+    for i in range(study.data.run_entries):
+        used = study.data.average[i].indices % len(study.conditions)
+        assert few.rows[few.place[i]] in used
+
+
 def test_a_fit_that_stopped_short_is_made_again_from_where_others_stand():
     study = Study(
         inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}), load_thresholds(), seed=3
