@@ -1,6 +1,7 @@
 """What of a sealed benchmark's score is quoted: docs/measurements/blind.json from score.json.
 
-python benchmarks/blind_record.py results/blind/blind/score.json --method-commit diagnosis-frozen-8
+snakemake --cores all unseal --config 'blind={size: blind_long, limits: <limits>, forecast: <confusion.json>}'
+python benchmarks/blind_record.py results/blind/blind_long/score.json --method-commit <tag or commit>
 """
 
 from __future__ import annotations
@@ -14,9 +15,10 @@ from measurement import record
 from eaclutch.files import read_json
 
 SHARES = ("right", "right_by_kind", "probability_of_truth_by_kind", "false_alarms", "unknown_recognised",
-          "wrong_name_on_unknown", "wrong_name_on_effect", "set_holds_truth", "set_size", "identifiable", "closure",
+          "wrong_name_on_unknown", "wrong_name_on_effect", "set_holds_truth",
+          "set_holds_truth_by_kind", "set_size", "identifiable", "closure",
           "parameters", "where", "left_out", "by_level", "by_effect", "by_distance", "seconds", "log_score", "brier",
-          "frozen", "after_opening")  # fmt: skip
+          "frozen", "after_opening", "confusion", "strangers")  # fmt: skip
 OF_RIVALS = ("right", "right_by_kind", "probability_of_truth_by_kind", "false_alarms", "log_score")
 
 
@@ -32,7 +34,10 @@ def main() -> None:
         name: {key: found[key] for key in (SHARES if name == "library" else OF_RIVALS) if key in found}
         for name, found in score["methods"].items()
     }
-    command = f"snakemake blind, then python benchmarks/blind_record.py {chosen.score}"
+    size = chosen.score.parent.name
+    command = (
+        f"snakemake unseal --config 'blind={{size: {size}, ..}}', then python benchmarks/blind_record.py"
+    )
     record(
         "blind", command, {"method_commit": chosen.method_commit, "kinds": score["kinds"], "methods": methods}
     )

@@ -4,7 +4,9 @@
 
 makes simulated campaigns (the open namespace of ``eaclutch.blind``: no sealed case is ever among them), weighs every
 hypothesis on each, and fits temperature, prior odds and the cost of a remainder by the mean log score. Prints what the
-fitted numbers and the present ones make of the set. Each case is kept as soon as it is done.
+fitted numbers and the present ones make of the set, and what the right name gained at each size: what
+config/blind_limits.json is set by. ``--forecast`` also writes what the design of the set's first campaign without an
+effect could tell apart (confusion.json, for ``blind.forecast``). Each case is kept as soon as it is done.
 """
 
 from __future__ import annotations
@@ -29,6 +31,7 @@ from scipy.special import expit, logit, softmax
 from eaclutch.blind import plan
 from eaclutch.blind.generate import generate_case, write_tables
 from eaclutch.cli.blind_methods import read_case
+from eaclutch.diagnosis.forecast import Forecast
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
@@ -131,11 +134,25 @@ def outcome(thresholds: Mapping[str, Any], cases: Sequence[tuple[Mapping[str, An
     }
 
 
+def gains(cases: Sequence[tuple[Mapping[str, Any], Any]]) -> dict[str, list[tuple[float, float]]]:
+    """(size, nats that the right answer gains over no effect) of each effect that was put in alone, by size."""
+    found: dict[str, list[tuple[float, float]]] = defaultdict(list)
+    for answer, rows in cases:
+        if answer["kind"] in ("single", "unknown"):
+            (put_in,) = answer["effects"]
+            plain = max(row.log_evidence_without for row in rows)
+            named = {row.effects: row.log_evidence for row in rows}
+            right = named.get((put_in["effect"],), max(row.log_evidence_without_open for row in rows))
+            found[put_in["effect"]].append((round(put_in["size"], 2), round(right - plain, 1)))
+    return {effect: sorted(pairs) for effect, pairs in sorted(found.items())}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--forecast", type=Path, help="confusion.json to write")
     parser.add_argument("--record", action="store_true")
     chosen = parser.parse_args()
     plan.SIZE_RANGE = SIZES
@@ -152,6 +169,12 @@ def main() -> None:
             (document["answer"], [Weighed(tuple(e), *numbers) for e, *numbers in document["weighed"]])
         )
     present = load_thresholds()
+    if chosen.forecast:
+        plain = next(answer["case"] for answer, _ in cases if answer["kind"] == "none")
+        study = Study(read_case(chosen.work / "cases" / plain, "library", {}), present)
+        write_json(chosen.forecast, Forecast(study).document(np.random.default_rng(chosen.seed)))
+    for effect, pairs in gains(cases).items():
+        print(effect, *(f"{size:g}: {nats:g}" for size, nats in pairs))
     found = minimize(
         loss, start(present), args=(present, cases), method="Nelder-Mead", options={"maxfev": 600}
     )

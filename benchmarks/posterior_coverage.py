@@ -1,6 +1,6 @@
 """How often 90 % intervals hold what they should, on simulated campaigns of the base model without any effect.
 
-    python benchmarks/posterior_coverage.py --campaigns 12 --output docs/measurements/posterior_coverage.json
+    python benchmarks/posterior_coverage.py --campaigns 12
 
 Each campaign has true parameters of its own, drawn from the priors (those of contact narrowed, or most clutches
 would pull in or never touch); all four stages are sampled by short chains and every run is predicted with and
@@ -11,8 +11,6 @@ intervals for independent runs: runs of one campaign share its fit, so the sprea
 from __future__ import annotations
 
 import argparse
-import json
-import subprocess
 import tempfile
 import time
 from collections.abc import Mapping
@@ -22,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from measurement import record
 from scipy.stats import beta
 
 from eaclutch.cli.inference import capacity_data, measured_runs
@@ -143,23 +142,10 @@ def pooled(results: list[dict[str, Any]]) -> dict[str, Any]:
     }
 
 
-def write(output: Path, results: list[dict[str, Any]], seed: int) -> None:
-    commit = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True
-    )
-    document = {
-        "command": f"python benchmarks/posterior_coverage.py --campaigns {len(results)} --seed {seed}",
-        "date": date.today().isoformat(), "commit": commit.stdout.strip(), "campaigns": len(results),
-        "runs_a_campaign": 12 * REPEATS, **pooled(results),
-    }  # fmt: skip
-    output.write_text(json.dumps(document, indent=1, sort_keys=True) + "\n")
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--campaigns", type=int, default=12)
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--output", type=Path, required=True)
     chosen = parser.parse_args()
     results: list[dict[str, Any]] = []
     with tempfile.TemporaryDirectory() as folder:
@@ -167,7 +153,12 @@ def main() -> None:
             results.append(fitted(number, chosen.seed, Path(folder)))
             share = results[-1]["curves"]["left_out_condition"]["all"]
             print(f"campaign {number}: {share[1]} of {share[0]}, {results[-1]['seconds']:.0f} s", flush=True)
-            write(chosen.output, results, chosen.seed)  # each time: a long study may be cut short
+            # each time: a long study may be cut short
+            record(
+                "posterior_coverage",
+                f"python benchmarks/posterior_coverage.py --campaigns {len(results)} --seed {chosen.seed}",
+                {"campaigns": len(results), "runs_a_campaign": 12 * REPEATS, **pooled(results)},
+            )
 
 
 if __name__ == "__main__":

@@ -26,6 +26,7 @@ def answer(kind: str, effects: list[str]) -> dict[str, Any]:
              "factors": {"all": 0.2, "frequency_hz": 0.9, "session": 0.85}}  # fmt: skip
     return {
         "kind": kind,
+        "effects": [{"effect": name, "size": 1.0} for name in effects],
         "verdict": true,
         "parameters": {"contact_stiffness": 5e14, "roughness_sd": 2.8e-6},
         "truth": {"distance_calibrated": 12.0, "closure": closure, "where": [place] if effects else []},
@@ -77,6 +78,8 @@ def test_a_liar_is_wrong_where_it_matters() -> None:
     assert found["calibration"]["error"] == pytest.approx(0.9)
     assert found["closure"]["covered"]["of"] == 0
     assert {"truth": "none", "said": "film_tension", "count": 4} in found["confusion"]
+    assert found["strangers"] == [{"truth": "dust", "said": "film_tension", "count": 1}]
+    assert found["set_holds_truth_by_kind"]["none"]["count"] == 0
 
 
 def test_an_effect_that_was_taken_out_of_the_library_is_unknown_to_it() -> None:

@@ -82,7 +82,8 @@ def test_a_compliant_train_is_named_and_its_size_found(compliant):
 
 
 def test_what_is_left_out_is_predicted_by_a_fit_without_it():
-    """Closed forms and the model itself agree near the fit, and a stuck fit is found again from a better one."""
+    """The right effect predicts conditions that its fit did not see nearly as well as those it saw, the base model
+    does not, and without a name for it the nameless term takes up the same gap."""
     study = Study(
         inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}), load_thresholds(), seed=3
     )
@@ -94,7 +95,6 @@ def test_what_is_left_out_is_predicted_by_a_fit_without_it():
     assert not np.allclose(out, within)
     base = np.array(study.weigh(()).errors_left_out)[:count]
     assert np.mean((out / sd) ** 2) < 0.2 * np.mean((base / sd) ** 2)
-    # without a name for it the same gap is a smooth term: most of what the base model's residuals hold
     nameless, residual = study.nameless.discrepancy[:count], study.base.residual[:count]
     assert np.sum((residual - nameless) ** 2 / sd**2) < 0.3 * np.sum(residual**2 / sd**2)
 

@@ -51,6 +51,7 @@ def outcome(
         "kind": answer["kind"],
         "level": answer.get("level", "tables"),
         "truth": sorted(truth),
+        "put_in": sorted(str(item["effect"]) for item in answer.get("effects") or ()),
         "said": sorted(said),
         "probability": confidence,
         "right": said == truth,

@@ -67,6 +67,7 @@ def scores(rows: Rows, sure: Collection[str] = ()) -> dict[str, Any]:
         "log_score": mean(rows, "log_score"),
         "brier": mean(rows, "brier"),
         "set_holds_truth": share(rows, "in_set"),
+        "set_holds_truth_by_kind": {name: share(part, "in_set") for name, part in kind.items()},
         "set_size": mean(rows, "set_size") | {"largest": max((r["set_size"] for r in rows), default=None)},
         "false_alarms": share(kind["none"], "named"),
         "unknown_said_without_gap": share(kind["none"], "said_unknown"),
@@ -88,6 +89,7 @@ def scores(rows: Rows, sure: Collection[str] = ()) -> dict[str, Any]:
             level: share([r for r in rows if r["level"] == level], "right") for level in ("tables", "logs")
         },
         "confusion": confusion(rows),
+        "strangers": confusion(kind["unknown"], "put_in"),
         "seconds": mean(rows, "seconds"),
     }
 
@@ -187,9 +189,9 @@ def by_distance(rows: Rows) -> list[dict[str, Any]]:
     return out
 
 
-def confusion(rows: Rows) -> list[dict[str, Any]]:
-    """Counts of (truth, verdict)."""
-    pairs = sorted((_label(r["truth"]), _label(r["said"])) for r in rows)
+def confusion(rows: Rows, key: str = "truth") -> list[dict[str, Any]]:
+    """Counts of (truth, verdict); ``key`` "put_in": of what the generator did, by its own name."""
+    pairs = sorted((_label(r[key]), _label(r["said"])) for r in rows)
     return [{"truth": t, "said": s, "count": pairs.count((t, s))} for t, s in sorted(set(pairs))]
 
 

@@ -34,9 +34,13 @@ class Cells:
 
     def errors(self, scaled: FloatArray) -> FloatArray:
         """Measured less predicted in the observable's unit, (..., cells), from entry errors (..., entries)."""
+        return self.native(scaled) @ self.gather.T
+
+    def native(self, scaled: FloatArray) -> FloatArray:
+        """Entry errors (..., entries) from the comparison scale to the observable's unit."""
         clipped = np.clip(scaled, -6.0, 6.0)
-        own = np.where(self.log, self.level * -np.expm1(-clipped), scaled * self.unit_scale)
-        return own @ self.gather.T
+        found: FloatArray = np.where(self.log, self.level * -np.expm1(-clipped), scaled * self.unit_scale)
+        return found
 
     def mean_square(self, scaled: FloatArray, rows: np.ndarray | None = None) -> FloatArray:
         """The contract's statistic over all cells (or ``rows``), (...,)."""

@@ -114,7 +114,7 @@ def localise(
     splits = splits_of(data, preload)
     names = [channel.name for channel in data.channels]
     own = np.array([data.channel[:n] == name for name in names])
-    ratio, null = _excess(data, cells, errors, simulated)
+    ratio, null = _excess(data, cells, errors), _excess(data, cells, simulated)
     tests: list[tuple[str, Split]] = [(name, split) for name in names for split in splits]
     masks = np.array([own[names.index(name)] * split.member for name, split in tests])
     use = masks.sum(axis=1) > 0
@@ -127,7 +127,7 @@ def localise(
     shown, excess, least = errors[:n], ratio - null.mean(axis=0), 0.0
     if explained is not None:
         shown, level, least = explained[:n], 1.0, LEAST
-        excess, _ = _excess(data, cells, explained, simulated[:1])
+        excess = _excess(data, cells, explained)
     rows = []
     for name in names:
         found = _place(name, tests, masks, excess, p_values, level)
@@ -138,20 +138,16 @@ def localise(
     return Where(rows[:SHOWN], observable_p)
 
 
-def _excess(
-    data: DataVector, cells: Cells, errors: FloatArray, simulated: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Squared entry errors over the variance of the entry's mean, weighted like the contract's cells."""
+def _excess(data: DataVector, cells: Cells, errors: FloatArray) -> FloatArray:
+    """Squared entry errors (..., entries) over the variance of the entry's mean, weighted like the contract's
+    cells."""
     n = data.run_entries
     gather = cells.gather.tocsc()
     cell = np.array([gather.indices[gather.indptr[i]] for i in range(n)])
     weight = np.asarray(gather.max(axis=0).todense()).ravel()
-    scale = np.where(cells.log, cells.level, cells.unit_scale)
     variance = cells.variance[cell] / np.maximum(weight, 1e-12)
-    own = np.where(
-        cells.log, cells.level * -np.expm1(-np.clip(errors[:n], -6, 6)), errors[:n] * cells.unit_scale
-    )
-    return weight * own**2 / variance, weight * (simulated[:, :n] * scale) ** 2 / variance
+    found: FloatArray = weight * cells.native(errors[..., :n]) ** 2 / variance
+    return found
 
 
 def _place(

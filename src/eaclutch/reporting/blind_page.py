@@ -76,6 +76,7 @@ def blind_page(score: Mapping[str, Any], title: str = "The sealed benchmark") ->
         ),
         Section("Are the probabilities honest", pictures=[_calibration(own)]),
         Section("Truth and verdict", tables=[_confusion(own, score.get("forecast"))]),
+        Section("What passes for what: effects that the library lacks", tables=[_strangers(own)]),
     ]
     return render_study(title, lead, [section for section in sections if section.tables or section.pictures])
 
@@ -122,6 +123,12 @@ def _effect_table(own: Mapping[str, Any]) -> Table:
         for r in own["by_effect"]
     ]
     return Table(["effect", "right verdict", "in the set", "probability on the truth"], rows)
+
+
+def _strangers(own: Mapping[str, Any]) -> Table:
+    return Table(
+        ["effect", "verdict", "cases"], [(r["truth"], r["said"], r["count"]) for r in own["strangers"]]
+    )
 
 
 def _confusion(own: Mapping[str, Any], forecast: Mapping[str, Any] | None) -> Table:
