@@ -55,6 +55,7 @@ class Weighed:
     log_evidence_open: float
     log_evidence_without: float
     log_evidence_without_open: float
+    gap_left_out: float
     adequate_p: float
 
 
@@ -77,6 +78,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
             r.log_evidence_open,
             r.log_evidence_without,
             r.log_evidence_without_open,
+            r.gap_left_out,
             r.adequate_p,
         ]
         for r in found

@@ -52,6 +52,7 @@ def weighed(effects, evidence, without=0.0):
         log_evidence_open=evidence - 3.0,
         log_evidence_without=without,
         log_evidence_without_open=without - 3.0,
+        gap_left_out=1.0 if effects else 2.0,
     )
 
 
@@ -72,6 +73,18 @@ def test_a_nameless_remainder_counts_beside_the_best_base_fit_and_not_on_top_of_
     named.log_evidence_without_open = 32.0
     found = probabilities([base, named], thresholds)
     assert max(found, key=found.__getitem__) == ("gap_tilt",)
+
+
+def test_what_widens_the_gap_left_out_explains_no_part_of_it():
+    thresholds = load_thresholds()
+    base, named = (weighed(e, x, without=-200.0) for e, x in ((NONE, -200.0), (("gap_tilt",), -150.0)))
+    base.log_evidence_without_open = 0.0
+    named.log_evidence_open = 40.0
+    partly = probabilities([base, named], thresholds)
+    named.gap_left_out = 3.0
+    wider = probabilities([base, named], thresholds)
+    assert max(partly, key=partly.__getitem__) == ("gap_tilt",)
+    assert max(wider, key=wider.__getitem__) == ("unknown",)
 
 
 def test_an_effect_is_as_likely_beforehand_beside_few_others_as_beside_many():

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.fit import HypothesisFit
 from eaclutch.diagnosis.forward import Forward
@@ -25,7 +26,8 @@ class CandidateResult:
     log_evidence (nats); log_evidence_open: of the effects with a nameless remainder beside them;
     log_evidence_without: of the base model fitted from where this fit stands, which may be better than where it was
     found by itself; log_evidence_without_open: of that with a nameless remainder. log_density: by
-    left-out condition. errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
+    left-out condition. gap_left_out: mean square of the left-out conditions' errors as the contract counts them
+    (``Cells.mean_square``). errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
     without and with the entry's condition in the fit. shift: how far the effect moves each entry. adequate_p:
     absolute gate with the effect in. parameters: the effect's own (a pair's with its name in front); calibrated:
     {name: {mean, sd, unit, prior_sds}}.
@@ -37,6 +39,7 @@ class CandidateResult:
     log_evidence_without: float
     log_evidence_without_open: float
     log_density: tuple[float, ...]
+    gap_left_out: float
     errors_left_out: tuple[float, ...]
     errors: tuple[float, ...]
     shift: tuple[float, ...]
@@ -93,6 +96,7 @@ def summarise(
     fitted: HypothesisFit,
     forward: Forward,
     data: DataVector,
+    cells: Cells,
     log_evidence_open: float,
     log_evidence_without: tuple[float, float],
     readings: Mapping[str, float],
@@ -105,6 +109,7 @@ def summarise(
     null = simulate_null(linearised, linearised.covariance, rng, campaigns=200)
     runs = data.condition != ""
     adequate, blocks = adequacy(linearised, left, np.where(runs, data.block, ""), null)
+    errors_left_out = left_out_errors(forward, data, fitted, left, readings)
     own, calibrated = {}, {}
     mode = fitted.mode
     for i, parameter in enumerate(forward.parameters):
@@ -119,7 +124,8 @@ def summarise(
         log_evidence_open,
         *log_evidence_without,
         tuple(left.log_density.tolist()),
-        tuple(left_out_errors(forward, data, fitted, left, readings).tolist()),
+        float(cells.mean_square(errors_left_out[: data.run_entries])),
+        tuple(errors_left_out.tolist()),
         tuple(fitted.residual.tolist()),
         tuple(fitted.signature.tolist()),
         adequate,

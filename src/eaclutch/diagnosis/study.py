@@ -200,8 +200,8 @@ class Study:
         """Fit and score one hypothesis; ``seeds``: parameters to start from as well, by name."""
         fitted = self.fit(effects, seeds)
         return summarise(
-            fitted, self.forward(effects), self.data, self._open(fitted), self._without(fitted), self.readings,
-            self.generator(7),
+            fitted, self.forward(effects), self.data, self.cells, self._open(fitted), self._without(fitted),
+            self.readings, self.generator(7),
         )  # fmt: skip
 
     def _without(self, fitted: HypothesisFit) -> tuple[float, float]:

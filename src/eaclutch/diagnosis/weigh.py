@@ -29,7 +29,8 @@ def probabilities(
     ``results`` hold the base model (no effects; its open evidence is that of ``unknown``) and every single and
     pair that was fitted. A named set may leave a nameless remainder, which costs it ``remainder_cost`` nats: its
     law is not the library's, but it is still the cause. An effect that the library lacks must do better than
-    that by itself.
+    that by itself. A set that predicts left-out conditions worse than the base model may leave none: what makes a gap
+    wider explains no part of it, however well it does elsewhere once a block is given up.
     """
     prior = thresholds["prior"]
     singles = [r for r in results if len(r.effects) == 1]
@@ -46,8 +47,16 @@ def probabilities(
     cost = float(thresholds["remainder_cost"])
     plain = max(r.log_evidence_without for r in results)
     unknown = max(r.log_evidence_without_open for r in results)
-    own = [np.logaddexp(r.log_evidence, r.log_evidence_open - cost) if r.effects else plain for r in results]
-    evidence = np.array([*own, unknown])
+    gap = min((r.gap_left_out for r in results if not r.effects), default=np.inf)
+
+    def own(result: CandidateResult) -> float:
+        if not result.effects:
+            return plain
+        if result.gap_left_out >= gap:
+            return result.log_evidence
+        return float(np.logaddexp(result.log_evidence, result.log_evidence_open - cost))
+
+    evidence = np.array([*map(own, results), unknown])
     log_prior = np.log([share[len(r.effects)] for r in results] + [prior["unknown"]])
     score = evidence / thresholds["temperature"] + log_prior
     weights = np.exp(score - logsumexp(score))

@@ -206,7 +206,10 @@ class RunView:
         # a slip within the window makes the median jump between two levels: noise goes onto the smoothed force
         smooth = uniform_filter1d(force, 7, mode="nearest")
         drawn = np.median(smooth + self.noise_moving.windows(len(force), 160), axis=1)
-        return Estimate(float(np.median(force)), math.hypot(float(np.std(drawn)), self.drive_offset_sd))
+        # noise draws the median of a skew window towards its mean, by about as much as it does once more
+        drawn_away = float(np.mean(drawn)) - float(np.median(smooth))
+        sd = math.hypot(float(np.std(drawn)), drawn_away, self.drive_offset_sd)
+        return Estimate(float(np.median(force)), sd)
 
     @cached_property
     def final_level(self) -> Estimate:

@@ -64,8 +64,11 @@ def release_times(run: RunView) -> dict[float, Estimate]:
             continue
         # what smoothing and noise do once more to the smoothed force, they have done to it before
         value = max(0.0, 2.0 * first - float(np.mean(times)))
-        bridge = BRIDGE * (under[1] - under[0]) if under[0] < value < under[1] else 0.0
-        found[share] = Estimate(value, math.hypot(float(np.std(times)), events.off_sd, bridge))
+        bridge, by_off = 0.0, 1.0
+        if under[0] < value < under[1]:
+            bridge = BRIDGE * (under[1] - under[0])
+            by_off = _moved_by_off(time, smooth[0], start.value, under, value)
+        found[share] = Estimate(value, math.hypot(float(np.std(times)), by_off * events.off_sd, bridge))
     return found
 
 
@@ -73,6 +76,22 @@ def _hidden_span(time: FloatArray, hidden: np.ndarray) -> tuple[float, float]:
     """From the last sample before the pick-up to the first after it [s]; empty where there is none."""
     index = np.flatnonzero(hidden)
     return (float(time[index[0] - 1]), float(time[index[-1] + 1])) if len(index) else (0.0, 0.0)
+
+
+def _moved_by_off(
+    time: FloatArray, force: FloatArray, start: float, under: tuple[float, float], value: float
+) -> float:
+    """By what share of an error of voltage off a passing under the pick-up moves (0 to 1).
+
+    The parabola across starts where the voltage is taken to have fallen and ends at the first force seen again, which
+    stands lower the earlier the voltage really fell: so an error moves the passing by less than itself.
+    """
+    end = int(np.searchsorted(time, under[1]))
+    slope = (force[end] - force[end + 1]) / (time[end + 1] - time[end])
+    fallen = start - force[end]
+    if not fallen > 0.0:
+        return 1.0
+    return float(np.clip(0.5 * (value - under[0]) * slope / fallen, 0.0, 1.0))
 
 
 def _release(share: float) -> Observable:
