@@ -54,7 +54,8 @@ def _measure(run: RunView) -> Estimate:
     level_sd = math.hypot(noise.sd(np.full(side, 1.0 / side)), run.zero.sd)
     own = math.hypot(sd, value * level_sd) / float(level[largest])
     rivals = rivals_spread(level, drops, side, sd, value)
-    return Estimate(value, math.hypot(own, (fraction - held) / math.sqrt(12.0), rivals))
+    # what rivals show apart holds the noise of each
+    return Estimate(value, math.hypot(max(own, rivals), (fraction - held) / math.sqrt(12.0)))
 
 
 def rivals_spread(level: FloatArray, drops: FloatArray, side: int, sd: float, value: float) -> float:
