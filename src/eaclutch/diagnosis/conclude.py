@@ -152,7 +152,7 @@ def indistinguishable(
 
 def caveats(study: Study) -> list[str]:
     """What this campaign cannot say, by name."""
-    notes = list(study.data.bench.notes)
+    notes = [*study.data.bench.notes, *study.condensed]
     conditions, sessions = set(study.conditions.condition), set(study.conditions.session)
     if len(conditions) < 2:
         notes.append("one condition only: no condition can be left out, and nothing is known of any setting")

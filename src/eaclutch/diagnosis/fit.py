@@ -8,18 +8,19 @@ by one assumed size.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
-from scipy.special import logsumexp, ndtri
+from scipy.special import ndtri
 from scipy.stats import qmc
 
 from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.data import DataVector
+from eaclutch.diagnosis.evidence import marginal_evidence, unrealised
 from eaclutch.diagnosis.forward import Forward
-from eaclutch.diagnosis.gaussian import Linearised, log_normal
+from eaclutch.diagnosis.gaussian import Linearised
 from eaclutch.diagnosis.mode import Mode, find_mode
 from eaclutch.records import FloatArray
 
@@ -31,8 +32,6 @@ BASE_STARTS = 4  # draws that a fit from scratch starts from, besides the defaul
 STARTS = 1  # of which so many are fitted
 ROUNDS = 2  # fits, each around a gap of the size that the one before found
 LARGEST_CHANGE = np.log(3.0)  # of that size from which another round is worth it
-# Tolerances beyond those that an evidence may take: around a large gap a fit must not bend the calibrated parameters.
-WIDER = (4.0, 8.0, 16.0)
 
 
 @dataclass(frozen=True)
@@ -142,12 +141,22 @@ def _finish(
     signature = own_signature(forward, mode.theta)
     residual = data.values - mode.predicted
     w = residual + mode.jacobian @ mode.u
-    evidence, peak, multipliers = _marginal_evidence(w, mode.jacobian, kernels, thresholds, signature)
-    covariance = kernels.total(
-        tolerance=multipliers[0], session=multipliers[1],
-        signature=signature, signature_tolerance=thresholds["signature_tolerance"],
-    )  # fmt: skip
-    linearised = Linearised(w, mode.jacobian, covariance)
+    evidence, usual, peak, multipliers = marginal_evidence(w, mode.jacobian, kernels, thresholds, signature)
+
+    def covariance_of(size: tuple[float, float]) -> FloatArray:
+        return kernels.total(
+            tolerance=size[0], session=size[1],
+            signature=signature, signature_tolerance=thresholds["signature_tolerance"],
+        )  # fmt: skip
+
+    linearised = Linearised(w, mode.jacobian, covariance_of(multipliers))
+    lost = unrealised(forward, data, mode, linearised)
+    peak -= lost
+    evidence -= (
+        lost
+        if usual == multipliers
+        else unrealised(forward, data, mode, replace(linearised, covariance=covariance_of(usual)))
+    )
     return HypothesisFit(
         forward.candidates, mode, linearised, residual, signature, multipliers, evidence, peak
     )
@@ -215,29 +224,3 @@ def _scouts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, list[int
     points = qmc.Sobol(len(own), scramble=False).random(2 * SCOUTS)[1 : SCOUTS + 1]
     u[:, own] = SCOUT_WIDTH * ndtri(np.clip(points, 1e-6, 1 - 1e-6))
     return u, own
-
-
-def _marginal_evidence(
-    w: FloatArray,
-    jacobian: FloatArray,
-    kernels: Kernels,
-    thresholds: Mapping[str, Any],
-    signature: FloatArray,
-) -> tuple[float, float, tuple[float, float]]:
-    """Evidence averaged over the usual multipliers, the largest of all, and where it is."""
-    grid = thresholds["multipliers"]
-    prior = jacobian @ jacobian.T
-    usual = dict(zip(grid["tolerance"]["values"], grid["tolerance"]["weights"], strict=True))
-    scores, weighted, pairs = [], [], []
-    for t in (*usual, *WIDER):
-        for s, p_s in zip(grid["session"]["values"], grid["session"]["weights"], strict=True):
-            covariance = kernels.total(
-                tolerance=t, session=s, signature=signature,
-                signature_tolerance=thresholds["signature_tolerance"],
-            )  # fmt: skip
-            scores.append(log_normal(w, covariance + prior))
-            pairs.append((float(t), float(s)))
-            if t in usual:
-                weighted.append(scores[-1] + np.log(usual[t] * p_s))
-    best = int(np.argmax(scores))
-    return float(logsumexp(weighted)), float(scores[best]), pairs[best]

@@ -13,8 +13,10 @@ import pandas as pd
 from eaclutch.diagnosis import bench_channels
 from eaclutch.diagnosis.cells import Cells, cells_of, native_variances, repeat_variance
 from eaclutch.diagnosis.channels import CHANNELS
+from eaclutch.diagnosis.condense import condense
 from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
+from eaclutch.diagnosis.evidence import unrealised
 from eaclutch.diagnosis.fit import HypothesisFit, fit_hypothesis
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised, log_normal, posterior_mean
@@ -73,18 +75,20 @@ class Study:
         self.priors = {**thresholds["priors"], **(inputs.priors or {})}
         every = inputs.candidates or tuple(name for name in EFFECTS if name not in inputs.effects)
         self.candidates = tuple(name for name in every if name not in inputs.effects)
-        self.conditions: RunConditions = conditions_from_runs(inputs.table, inputs.bench)
-        if len(self.conditions) == 0:
+        usable = conditions_from_runs(inputs.table, inputs.bench).run
+        if len(usable) == 0:
             raise InputError(
                 "runs.csv", "no usable run", "look at its flags and reasons; nothing can be diagnosed"
             )
-        self.table = inputs.table[inputs.table["run"].isin(self.conditions.run)].reset_index(drop=True)
+        channels = [c for c in CHANNELS if c.resolvable and c.name in inputs.table and c.name in OBSERVABLES]
+        table = inputs.table[inputs.table["run"].isin(usable)].reset_index(drop=True)
+        self.table, self.condensed = condense(table, len(channels))
+        self.conditions: RunConditions = conditions_from_runs(self.table, inputs.bench)
         widths = [w for substrate in inputs.bench.substrates.values() for w in substrate.thickness]
         entries = bench_channels.summarise(inputs.readings, inputs.spectra, inputs.bursts, thresholds, widths)
         cell = inputs.bench.load_cell
         rate = cell.stiffness.mean * inputs.bench.stage_speed
         quarter = 0.5 * np.pi * np.sqrt(cell.mass.mean / cell.stiffness.mean)
-        channels = [c for c in CHANNELS if c.resolvable and c.name in self.table and c.name in OBSERVABLES]
 
         def data(explained: FloatArray | None = None, carried: FloatArray | None = None) -> DataVector:
             return build(
@@ -207,7 +211,7 @@ class Study:
     def _without(self, fitted: HypothesisFit) -> tuple[float, float]:
         """Evidence of the base model, and with a nameless remainder, fitted once more from the calibrated parameters
         of a better fit: what an effect gains must not be that its fit ended in a better place."""
-        plain, remainder = self.base.log_evidence, self.nameless.log_evidence
+        plain, remainder = self.base.log_evidence, self._base_open
         if not fitted.effects or fitted.log_evidence < plain + WORTH_OPENING:
             return plain, remainder
         again = fit_hypothesis(
@@ -218,9 +222,29 @@ class Study:
             return plain + gain, remainder + gain
         return plain + gain, max(remainder, self._open(again))
 
+    @cached_property
+    def _base_open(self) -> float:
+        """Evidence of the base model with a nameless remainder."""
+        return self._kept(self.base, self.nameless)
+
     def _open(self, fitted: HypothesisFit) -> float:
         """Evidence with a nameless remainder; worked out only where the effects explain something at all."""
+        if fitted is self.base:
+            return self._base_open
         if fitted.effects and fitted.log_evidence < self.base.log_evidence + WORTH_OPENING:
             return fitted.log_evidence
         found = nameless_fit(fitted.linearised, self.data, self.kernels, self.thresholds, fitted.signature)
-        return found.log_evidence
+        return self._kept(fitted, found)
+
+    def _kept(self, fitted: HypothesisFit, found: Nameless) -> float:
+        """Evidence of a fit with a nameless remainder, as the model keeps it: where the linearised fit promises much
+        more, it is fitted once more with the remainder's covariance."""
+        forward, linearised = self.forward(fitted.effects), found.linearised
+        lost = unrealised(forward, self.data, fitted.mode, linearised)
+        if lost < WORTH_OPENING:
+            return found.log_evidence - lost
+        mode = find_mode(forward, self.data.values, lambda theta: linearised.covariance, fitted.mode.u)
+        w = self.data.values - mode.predicted + mode.jacobian @ mode.u
+        again = Linearised(w, mode.jacobian, linearised.covariance)
+        gain = log_normal(w, again.marginal()) - log_normal(linearised.w, linearised.marginal())
+        return found.log_evidence + max(gain - unrealised(forward, self.data, mode, again), -lost)
