@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
@@ -45,9 +47,10 @@ def made_campaign(rng, level=1.1, slope=-1e-3, gain=1.2, runs=60):
     return CapacityData(setup, value, 0.005 * value), response, voltage
 
 
-def test_cells_are_the_dense_normal():
+@pytest.mark.parametrize("sessions", [3, 7])
+def test_cells_are_the_dense_normal(sessions):
     rng = np.random.default_rng(0)
-    cells = Cells.of([f"s{i % 3}" for i in range(30)], [f"c{i // 6}" for i in range(30)])
+    cells = Cells.of([f"s{i % sessions}" for i in range(30)], [f"c{i // 6}" for i in range(30)])
     residual, variance = rng.standard_normal((4, 30)), rng.uniform(0.5, 2, (4, 30))
     factors = rng.standard_normal((4, 2, cells.count))[:, :, cells.cell]
     session, condition = rng.uniform(0.1, 1, 4), rng.uniform(0.1, 1, 4)
@@ -114,6 +117,18 @@ def test_conditioning_is_exact_for_a_linear_gaussian_model():
     ) / precision
     assert moved.mean() == pytest.approx(mean, abs=0.004)
     assert moved.std() == pytest.approx(precision**-0.5, rel=0.06)
+
+
+def test_a_large_campaign_is_thinned_evenly_and_says_so():
+    rng = np.random.default_rng(4)
+    data, response, _ = made_campaign(rng, level=1.0, slope=0.0)
+    assert data.thinned(len(data.capacity)) is data
+    found = data.thinned(15)
+    kept = Counter(zip(found.conditions.session, found.conditions.condition, strict=True))
+    assert len(found.capacity) == 15 and found.thinned_from == len(data.capacity)
+    assert len(kept) == 12 and max(kept.values()) == 2
+    note = force_problem(found, response.select(np.arange(15)), "none", PARAMETERS).notes
+    assert any(f"15 of {len(data.capacity)} runs" in line for line in note)
 
 
 def test_forms_of_the_multiplier():

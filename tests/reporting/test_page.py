@@ -83,7 +83,15 @@ def test_the_first_screen_says_the_verdict_and_its_caveats(results_folder: Path)
             {"effects": ["gap_tilt", "trapped_charge"], "alternatives": [["trapped_charge"]]},
             "whether gap tilt is needed for that, these data cannot tell",
         ),
-        ({"alternatives": [["contact_aging"]]}, "these data cannot tell it from contact aging"),
+        ({"alternatives": [["contact_aging"]]}, "(probability 88 %), but contact aging cannot be ruled out"),
+        (
+            {"alternatives": [["contact_aging"]], "probability": 0.5},
+            "(probability 50 %), but these data cannot tell it from contact aging",
+        ),
+        (
+            {"effects": ["gap_tilt", "trapped_charge"], "alternatives": [["contact_aging"], ["gap_tilt"]]},
+            "but contact aging or gap tilt alone cannot be ruled out",
+        ),
         ({"effects": ["trapped_charge", "gap_tilt"]}, "explained by trapped charge and gap tilt"),
     ],
 )

@@ -82,7 +82,7 @@ def _bursts(results: Path) -> BurstFeatures:
 
 
 def capacity_data(runs: pd.DataFrame, bench: Bench) -> CapacityData | None:
-    """Usable runs with voltage and a shear capacity."""
+    """Usable runs with voltage and a shear capacity, thinned where there are very many."""
     good = runs["shear_capacity_n"].gt(0) & runs["shear_capacity_n_sd"].notna() & runs["voltage_v"].gt(0)
     conditions = conditions_from_runs(runs[good], bench)
     picked = runs.set_index("run").loc[list(conditions.run)]
@@ -90,7 +90,7 @@ def capacity_data(runs: pd.DataFrame, bench: Bench) -> CapacityData | None:
         return None
     return CapacityData(
         conditions, picked["shear_capacity_n"].to_numpy(float), picked["shear_capacity_n_sd"].to_numpy(float)
-    )
+    ).thinned()
 
 
 def stage_inputs(stage: str, campaign: Path, results: Path, chosen: Mapping[str, Any]) -> StageInputs:

@@ -59,15 +59,13 @@ def _sentence(
     elif first == UNKNOWN:
         text = "there is a gap, and a nameless smooth term explains it better than any effect in the library"
     else:
-        text = f"{in_words(first)} explains the gap best, jointly with the calibrated parameters"
-        if fitted[first].adequate_p < rules["adequate_p_value"]:
-            text += f"; a part remains that it does not explain (p = {fitted[first].adequate_p:.2g})"
+        text = f"{in_words(first)} explains the gap best, the calibrated parameters refitted along with it"
     text += f" (probability {probability:.2f})"
+    if first not in (NONE, UNKNOWN) and fitted[first].adequate_p < rules["adequate_p_value"]:
+        text += f"; a part remains that it does not explain (p = {fitted[first].adequate_p:.2g} that noise makes it)"
     if alternatives:
-        text += "; cannot be ruled out: " + "; ".join(in_words(a) for a in alternatives)
-    if notes:
-        text += "; " + "; ".join(notes)
-    return text
+        text += "; cannot be ruled out: " + ", ".join(in_words(a) for a in alternatives)
+    return ". ".join([text, *(f"{note[:1].upper()}{note[1:]}" for note in notes)])
 
 
 def in_words(effects: Effects) -> str:

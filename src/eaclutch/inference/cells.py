@@ -58,23 +58,32 @@ def cell_likelihood(
     cells: Cells,
 ) -> FloatArray:  # fmt: skip
     """Log likelihood (draws,) of residuals (draws, runs) with factors (draws, factors, runs), variances (draws, runs)
-    and level sds (draws,)."""
+    and level sds (draws,).
+
+    The more numerous levels (sessions or conditions) are eliminated one by one, so cost grows with the cells and
+    not with their cube.
+    """
+    levels = (session_sd, cells.cell_session), (condition_sd, cells.cell_condition)
+    (many_sd, many), (few_sd, few) = levels if cells.sessions > cells.conditions else levels[::-1]
     return _likelihood(
         np.ascontiguousarray(residual), np.ascontiguousarray(factors), np.ascontiguousarray(variance),
-        session_sd**2, condition_sd**2, cells.cell, cells.cell_session, cells.cell_condition,
+        many_sd, few_sd, cells.cell, many, few,
     )  # fmt: skip
 
 
 @numba.njit(cache=True, nogil=True)
-def _likelihood(residual, factors, variance, session, condition, cell, cell_session, cell_condition):  # type: ignore[no-untyped-def]
+def _likelihood(residual, factors, variance, many_sd, few_sd, cell, many, few):  # type: ignore[no-untyped-def]
+    """K = D + U U', U = [factors, few_sd Z_few, many_sd Z_many] over cells; log |K| and the quadratic form from
+    M = I + U' D^-1 U, of which the block of ``many`` is diagonal."""
     draws, runs = residual.shape
-    count, rank = len(cell_session), factors.shape[1]
+    count, rank = len(many), factors.shape[1]
+    groups, size = many.max() + 1, factors.shape[1] + few.max() + 1
     result = np.empty(draws)
-    weight, mean = np.empty(count), np.empty(count)
-    loads, lower, y = np.empty((rank, count)), np.empty((count, count)), np.empty(count)
+    weight, mean, loads = np.empty(count), np.empty(count), np.empty((rank, count))
+    kept, right, cross = np.empty((size, size)), np.empty(size), np.empty((groups, size))
+    alone, alone_right = np.empty(groups), np.empty(groups)
     for draw in range(draws):
-        weight[:], mean[:], loads[:] = 0.0, 0.0, 0.0
-        total = 0.0
+        weight[:], mean[:], loads[:], total = 0.0, 0.0, 0.0, 0.0
         for run in range(runs):
             precision, c = 1.0 / variance[draw, run], cell[run]
             weight[c] += precision
@@ -82,32 +91,43 @@ def _likelihood(residual, factors, variance, session, condition, cell, cell_sess
             total += np.log(2 * np.pi * variance[draw, run]) + precision * residual[draw, run] ** 2
             for q in range(rank):
                 loads[q, c] += precision * factors[draw, q, run]
+        kept[:], right[:], cross[:], alone[:], alone_right[:] = 0.0, 0.0, 0.0, 1.0, 0.0
+        one, other = few_sd[draw], many_sd[draw]
         for c in range(count):
-            mean[c] /= weight[c]
-            total -= weight[c] * mean[c] ** 2 - np.log(weight[c])  # within the cell
+            w, at, group = weight[c], rank + few[c], many[c]
+            mean[c] /= w
             for q in range(rank):
-                loads[q, c] /= weight[c]
-        for i in range(count):
+                loads[q, c] /= w
+                for p in range(q + 1):
+                    kept[q, p] += w * loads[q, c] * loads[p, c]
+                kept[at, q] += w * one * loads[q, c]
+                right[q] += w * loads[q, c] * mean[c]
+                cross[group, q] += w * other * loads[q, c]
+            kept[at, at] += w * one**2
+            right[at] += w * one * mean[c]
+            cross[group, at] += w * other * one
+            alone[group] += w * other**2
+            alone_right[group] += w * other * mean[c]
+        for group in range(groups):
+            total += np.log(alone[group]) - alone_right[group] ** 2 / alone[group]
+            for i in range(size):
+                if cross[group, i] != 0.0:
+                    share = cross[group, i] / alone[group]
+                    right[i] -= share * alone_right[group]
+                    for j in range(i + 1):
+                        kept[i, j] -= share * cross[group, j]
+        for i in range(size):  # Cholesky of I + kept, solved on the way
+            kept[i, i] += 1.0
             for j in range(i + 1):
-                value = 0.0
-                for q in range(rank):
-                    value += loads[q, i] * loads[q, j]
-                if cell_session[i] == cell_session[j]:
-                    value += session[draw]
-                if cell_condition[i] == cell_condition[j]:
-                    value += condition[draw]
-                if i == j:
-                    value += 1.0 / weight[i]
                 for m in range(j):
-                    value -= lower[i, m] * lower[j, m]
+                    kept[i, j] -= kept[i, m] * kept[j, m]
                 if i == j:
-                    lower[i, i] = np.sqrt(value) if value > 0 else np.nan
+                    kept[i, i] = np.sqrt(kept[i, i]) if kept[i, i] > 0 else np.nan
                 else:
-                    lower[i, j] = value / lower[j, j]
-            value = mean[i]
+                    kept[i, j] /= kept[j, j]
             for m in range(i):
-                value -= lower[i, m] * y[m]
-            y[i] = value / lower[i, i]
-            total += y[i] ** 2 + 2 * np.log(lower[i, i])
+                right[i] -= kept[i, m] * right[m]
+            right[i] /= kept[i, i]
+            total += 2 * np.log(kept[i, i]) - right[i] ** 2
         result[draw] = -0.5 * total if np.isfinite(total) else -np.inf
     return result

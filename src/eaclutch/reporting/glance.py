@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
@@ -67,9 +68,14 @@ def how_far_line(diagnosis: Mapping[str, Any]) -> str:
         return ""
     named = diagnosis["verdict"]["effects"]
     text = f"On conditions that the fit did not see, the squared error is {number(before)} times the repeats' variance"
-    if after is not None and named and named != ["unknown"]:
-        text += f", with {effect_words(named)} {number(after)}"
-    return f"{text}; with a right model, noise and sessions alone would make it {number(floor)}."
+    end = f"with a right model, noise and sessions alone would make it {number(floor)}."
+    if after is None or not named or named == ["unknown"]:
+        return f"{text}; {end}"
+    share = closure.get("shrinkage")
+    closed = (
+        "" if share is None or share < 0 else f" (closes {percent(min(share, 1.0))} of what can be closed)"
+    )
+    return f"{text}, with {effect_words(named)} {number(after)}{closed}; {end}"
 
 
 def runs_line(results: Results) -> str:
@@ -136,7 +142,7 @@ def next_line(diagnosis: Mapping[str, Any]) -> str:
     if not entries:
         return ""
     best = entries[0]
-    gain = f"expected gain {number(best['information_nats'], 2)} nats"
+    gain = f"expected to settle {number(best['information_nats'], 2)} of {number(_doubt(diagnosis), 2)} nats of doubt"
     if best["information_nats"] < TELLING:
         where = (
             ": look for what is missing where the gap sits"
@@ -150,6 +156,12 @@ def next_line(diagnosis: Mapping[str, Any]) -> str:
         f"{best['runs']} runs at {plain(best['voltage_v'])} V, {frequency}, width {plain(best['width_mm'])} mm, "
         f"preload {plain(best['preload_n'])} N would best tell {apart} ({gain})."
     )
+
+
+def _doubt(diagnosis: Mapping[str, Any]) -> float:
+    """Entropy [nats] of the probabilities over what was weighed: what there is to settle."""
+    weights = [entry["probability"] for entry in diagnosis.get("hypotheses", []) if entry["probability"] > 0]
+    return -sum(weight * math.log(weight) for weight in weights)
 
 
 def set_words(joined: str) -> str:

@@ -10,6 +10,7 @@ from eaclutch.reporting.results import Results
 from eaclutch.reporting.words import FACTORS, effect_words, number, observable_words, percent, scale_for
 
 MOST_OF_IT = 0.8  # of the closable gap; what closes less explains a part
+PROBABLE = 0.8  # from which on a rival is one that cannot be ruled out, and below it one that does as well
 LEAST_SHIFT = 0.5  # posterior standard deviations; smaller moves say nothing
 MOST_SHIFTS = 8  # of the ledger's entries on the page; the rest stands in the file
 _SIGNS = {"<=": "≤", ">=": "≥", "<": "<", ">": ">"}
@@ -40,8 +41,12 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
     needless = [sorted(set(effects) - set(names)) for names in others if set(names) < set(effects)]
     rivals = [names for names in others if not set(names) > set(effects) and not set(names) < set(effects)]
     if rivals:
-        listed = ", or ".join(effect_words(names) for names in rivals)
-        return f"The gap points to {named} (probability {probability}), but these data cannot tell it from {listed}."
+        alone = [effect_words(names) + " alone" for names in others if set(names) < set(effects)]
+        listed = " or ".join([*(effect_words(names) for names in rivals), *alone])
+        start = f"The gap points to {named} (probability {probability}), but"
+        if (verdict.get("probability") or 0.0) >= PROBABLE:
+            return f"{start} {listed} cannot be ruled out."
+        return f"{start} these data cannot tell it from {listed}."
     if further:
         listed = " or ".join(effect_words(names) for names in further)
         closed += f"; whether {listed} adds to it, these data cannot tell"
@@ -90,12 +95,19 @@ def caveats(results: Results) -> list[str]:
     causes = {cause["effect"]: cause for cause in diagnosis.get("causes", [])}
     named = [effect for effect in verdict["effects"] if effect != "unknown"]
     if named and _left(diagnosis):
-        found.append(f"With {effect_words(named)} in the model, part of the gap still stays unexplained.")
+        found.append(
+            f"With {effect_words(named)} in the model, part of the gap still stays unexplained: something else is "
+            "missing, too. The probability only compares what was weighed: effects alone and in pairs."
+        )
     for name in named:
-        cause = causes.get(name, {})
-        if cause.get("indistinguishable_from"):
-            rivals = ", ".join(effect_words([other]) for other in cause["indistinguishable_from"])
-            found.append(f"In this campaign {effect_words([name])} looks like {rivals}.")
+        others = [
+            other for other in causes.get(name, {}).get("indistinguishable_from") or () if other not in named
+        ]
+        if others:
+            rivals = " or ".join(effect_words([other]) for other in others)
+            found.append(
+                f"In this campaign {rivals} could stand for {effect_words([name])}: they act much alike."
+            )
     confounded = {
         (entry["factor"], other)
         for entry in diagnosis.get("where", [])

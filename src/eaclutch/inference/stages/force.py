@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
+import pandas as pd
 
 from eaclutch.inference.cells import Cells, cell_likelihood
 from eaclutch.inference.hyperparameters import HYPERPARAMETERS
@@ -32,6 +33,8 @@ from eaclutch.records import FloatArray, RunConditions
 Form = Literal["none", "constant", "linear", "per_voltage"]
 LEVEL, SLOPE = "force_multiplier_level", "force_multiplier_slope"
 MULTIPLIER = "force_multiplier_"
+MOST_RUNS = 600  # whose capacities are fitted: matrices of 3 MB
+TOGETHER = 10_000_000  # numbers in the covariances that are worked on at once
 VOLTAGE_PRIOR = Prior("lognormal", 1.0, 0.2)  # of a voltage's own multiplier
 
 
@@ -67,11 +70,26 @@ class MultiplierLaw:
 
 @dataclass(frozen=True)
 class CapacityData:
-    """Measured shear capacity [N] and its standard uncertainty, (runs,), of usable runs with voltage."""
+    """Measured shear capacity [N] and its standard uncertainty, (runs,), of usable runs with voltage; thinned_from:
+    how many there were before ``thinned`` left some out (0: none)."""
 
     conditions: RunConditions
     capacity: FloatArray
     capacity_sd: FloatArray
+    thinned_from: int = 0
+
+    def thinned(self, most: int = MOST_RUNS) -> CapacityData:
+        """At most ``most`` runs, evenly over the cells of (condition, session) and the repeats there: memory stays
+        bounded, and levels that runs share are not better known from more of them."""
+        count = len(self.capacity)
+        if count <= most:
+            return self
+        cell = Cells.of(self.conditions.session, self.conditions.condition).cell
+        repeat = pd.Series(cell).groupby(cell).cumcount().to_numpy()
+        order = np.lexsort((cell, repeat))
+        first = order[: max(most, int(np.sum(repeat == 0)))]
+        rows = np.sort(first[np.linspace(0, len(first) - 1, most).round().astype(int)])
+        return CapacityData(self.conditions.select(rows), self.capacity[rows], self.capacity_sd[rows], count)
 
 
 def force_problem(
@@ -86,6 +104,8 @@ def force_problem(
     law = MultiplierLaw.of(form, runs.voltage, parameters)
     cells = Cells.of(runs.session, runs.condition)
     notes = [f"{len(data.capacity)} runs in {cells.count} cells of condition and session"]
+    if data.thinned_from:
+        notes.append(f"{len(data.capacity)} of {data.thinned_from} runs, evenly over conditions and sessions")
     if len(set(runs.session)) == 1:
         notes.append("one session only: the spread between sessions rests on its prior")
     if form == "linear" and len(np.unique(runs.voltage)) == 1:
@@ -117,9 +137,14 @@ def force_problem(
         total[:, rows, rows] += variance
         return residual, factors, total
 
+    def pieces(draws: int) -> list[np.ndarray]:
+        """Draws whose dense covariances are worked out together."""
+        at_once = int(np.clip(TOGETHER // len(observed) ** 2, 1, 50))
+        return np.array_split(np.arange(draws), max(draws // at_once, 1))
+
     def pointwise(theta: FloatArray) -> FloatArray:
         result = np.empty((len(theta), len(observed)))
-        for piece in np.array_split(np.arange(len(theta)), max(len(theta) // 50, 1)):
+        for piece in pieces(len(theta)):
             residual, _, total = dense(theta[piece])
             precision = np.linalg.inv(total)
             weight = np.einsum("drr->dr", precision)
@@ -134,7 +159,7 @@ def force_problem(
         """
         which = rng.integers(0, response.draws, len(theta))
         moved = np.empty((len(theta), response.rank))
-        for piece in np.array_split(np.arange(len(theta)), max(len(theta) // 50, 1)):
+        for piece in pieces(len(theta)):
             residual, factors, total = dense(theta[piece])
             rest = total - np.einsum("dqr,dqs->drs", factors, factors)
             noise = np.einsum("drs,ds->dr", np.linalg.cholesky(rest), rng.standard_normal(residual.shape))
