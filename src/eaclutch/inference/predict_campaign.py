@@ -21,6 +21,7 @@ from eaclutch.physics.model import ClutchModel
 from eaclutch.records import FloatArray
 
 COLUMNS = ("run", "observable", "q05", "median", "q95", "measured", "measured_sd", "status", "held_out")
+TOGETHER = 500  # runs that are predicted at once
 NINETY = 8  # index of the 90 % level in the calibration curves
 logger = logging.getLogger(__name__)
 
@@ -39,10 +40,16 @@ class _Campaign:
     def predicted(
         self, rows: np.ndarray, joint: Mapping[str, FloatArray], rng: np.random.Generator
     ) -> Predicted:
-        """Runs ``rows`` at joint draws."""
-        part = self.measured.select(rows)
-        prediction = predict_runs(self.model, part.conditions, joint, tuple(part.values))
-        return replicate(prediction, part, self.scatters, rng)
+        """Runs ``rows`` at joint draws, some hundred at once: a model's own arrays are many times what is kept."""
+        found = []
+        for some in np.array_split(rows, max(1, -(-len(rows) // TOGETHER))):
+            part = self.measured.select(some)
+            prediction = predict_runs(self.model, part.conditions, joint, tuple(part.values))
+            found.append(replicate(prediction, part, self.scatters, rng))
+        return Predicted(
+            {n: np.concatenate([f.replicated[n] for f in found], axis=1) for n in found[0].replicated},
+            {n: np.concatenate([f.status[n] for f in found]) for n in found[0].status},
+        )
 
     def refit(self, rows: np.ndarray, rng: np.random.Generator) -> dict[str, FloatArray]:
         """Force draws without the runs ``rows``; its prior where no run is left."""
