@@ -159,8 +159,9 @@ def draw(by_runs: Mapping[str, Mapping[int, Mapping[str, float]]], path: Path) -
             axis.loglog(list(found), [row[key] for row in found.values()], marker=marker, label=stage)
         axis.set(xlabel="runs", ylabel=label)
         axis.grid(alpha=0.3)
+    axes[1].set(yscale="linear", ylim=(0, 1100))
     axes[1].axhline(1024, color="0.4", linestyle=":")
-    axes[0].legend(fontsize=8)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside right upper", fontsize=8)
     figure.savefig(path, dpi=110)
 
 

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from eaclutch.records import Bench
+from eaclutch.rig.estimate import Unusable
 from eaclutch.rig.extract import extract
+from eaclutch.rig.observables.ramp import slope
 from eaclutch.rig.observables.slip import rivals_spread
 from rig.made_run import Made, make_run
 
@@ -47,3 +50,12 @@ def test_the_slope_of_a_force_that_slips_is_that_of_all_its_samples(seed):
     # that the voltage came within a sample's width is most of the uncertainty of a slope that slips
     assert found["ramp_rate_late_n_s_sd"] < 0.03
     assert abs(found["ramp_rate_late_n_s"] - truth) < 2.5 * found["ramp_rate_late_n_s_sd"]
+
+
+def test_no_slope_is_read_between_edges_that_leave_hardly_a_sample():
+    hidden = np.ones(60, dtype=bool)
+    hidden[30] = False
+    time = np.arange(60) * 78.125e-6
+    run = SimpleNamespace(window=lambda start, end: slice(0, 60), pick_up=hidden, time=time, force=time)
+    with pytest.raises(Unusable, match="too_short"):
+        slope(run, 0.0, 0.0045)

@@ -7,9 +7,11 @@ import math
 import numpy as np
 
 from eaclutch.records import ObservableInfo
-from eaclutch.rig.estimate import Estimate
+from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.observables._observable import Observable
 from eaclutch.rig.run_view import RunView
+
+FEWEST = 4  # samples beside the drive's edges, of which a slope is taken
 
 
 def slope(run: RunView, start: float, end: float) -> Estimate:
@@ -19,6 +21,8 @@ def slope(run: RunView, start: float, end: float) -> Estimate:
     """
     window = run.window(start, end)
     seen = np.flatnonzero(~run.pick_up[window])
+    if len(seen) < FEWEST:
+        raise Unusable("too_short")
     known = slice(window.start + int(seen[0]), window.start + int(seen[-1]) + 1)
     time = run.time[known]
     force = np.interp(time, run.time[window][seen], run.force[window][seen])
