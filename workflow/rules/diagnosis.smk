@@ -76,6 +76,30 @@ rule diagnosis:
         " --settings {params.settings:q} --seed {params.seed} --output {output:q} {input.candidates:q}"
 
 
+rule diagnosis_full:
+    input:
+        diagnosis=results("diagnosis/diagnosis.json"),
+        **DIAGNOSED,
+    output:
+        table=results("diagnosis/full.json"),
+        draws=directory(results("diagnosis/full")),
+    log:
+        log_of("diagnosis_full"),
+    params:
+        campaign=CAMPAIGN,
+        results=RESULTS,
+        bench=bench(),
+        settings=settings("model", "priors", "diagnosis", "posterior"),
+        seed=seed("diagnosis_full"),
+        code=code("diagnosis.full", "diagnosis.study", effects=[*EFFECTS_ON, *CANDIDATES]),
+    message:
+        "diagnosis_full: the finalists, sampled"
+    shell:
+        "eaclutch --log {log} diagnosis-full --campaign {params.campaign:q} --results {params.results:q}"
+        " --settings {params.settings:q} --seed {params.seed} --diagnosis {input.diagnosis:q}"
+        " --draws {output.draws:q} --output {output.table:q}"
+
+
 rule confusion:
     input:
         capture=capture_file,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +13,21 @@ from eaclutch.config.slices import parse_settings
 from eaclutch.diagnosis.conclude import conclude, gap_summary
 from eaclutch.diagnosis.files import read_inputs
 from eaclutch.diagnosis.forecast import Forecast
+from eaclutch.diagnosis.full import compared, document, finalists, fit_of, problem_of
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.planned import planned_study
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.files import read_json, write_json
+from eaclutch.inference import storage
+from eaclutch.inference.posterior import sampler_settings
+from eaclutch.inference.sampling import sample
 from eaclutch.rig.campaign import open_campaign
 
 _FOLDER = click.Path(path_type=Path)
 _FILE = click.Path(dir_okay=False, path_type=Path)
+logger = logging.getLogger(__name__)
 
 
 def _common(command: Any) -> Any:
@@ -89,4 +95,27 @@ def confusion(campaign: Path, results: Path, settings: str, seed: int, output: P
     write_json(output, Forecast(study).document(study.generator(21)))
 
 
-COMMANDS = [diagnosis_gap, diagnosis_candidate, diagnosis, confusion]
+@click.command("diagnosis-full")
+@click.option("--diagnosis", "verdict", type=_FILE, required=True, help="diagnosis.json.")
+@click.option("--draws", type=_FOLDER, required=True, help="Folder for each finalist's draws (.nc).")
+@_common
+def diagnosis_full(
+    verdict: Path, draws: Path, campaign: Path, results: Path, settings: str, seed: int, output: Path
+) -> None:
+    """Sample the finalists in full and compare with Laplace (full.json)."""
+    study, told = _study(campaign, results, settings, seed), read_json(verdict)
+    sampler = sampler_settings(parse_settings(settings)["posterior"])
+    draws.mkdir(parents=True, exist_ok=True)
+    rows = []
+    for number, effects in enumerate(finalists(told)):
+        name = "+".join(effects) or "base"
+        fitted = fit_of(study, effects, told)
+        problem = problem_of(study, fitted)
+        logger.info("diagnosis: %s, %d parameters", name, len(problem.priors))
+        sampled = sample(problem, sampler, seed + number, progress=logger.info, begin=fitted.mode.u)
+        storage.save(draws / f"{name}.nc", storage.inference_data(problem, sampler, seed, sampled))
+        rows.append(compared(study, fitted, sampled, study.generator(31, number)))
+    write_json(output, document(rows, told, float(study.thresholds["temperature"])))
+
+
+COMMANDS = [diagnosis_gap, diagnosis_candidate, diagnosis, diagnosis_full, confusion]

@@ -73,8 +73,10 @@ def sample(
     *,
     checkpoint: Path | None = None,
     progress: Callable[[str], None] = lambda _: None,
+    begin: FloatArray | None = None,
 ) -> Sampled:
-    """Sample until converged or at the limit; resume from ``checkpoint`` where it exists.
+    """Sample until converged or at the limit; resume from ``checkpoint`` where it exists. ``begin`` (params,): where
+    every ensemble starts its search, in the priors' normal coordinates; default the best of prior draws of its own.
 
     Each chunk starts from the stored state alone, so an interrupted run and an uninterrupted one are the same
     bit for bit. Raises InputError where the checkpoint belongs to other data, code, priors or parameters.
@@ -86,7 +88,7 @@ def sample(
         state = checkpoints.load(checkpoint, fingerprints)
         progress(f"{problem.stage}: resuming at step {state.chain.shape[1]}")
     else:
-        state = _begin(problem, settings, seed)
+        state = _begin(problem, settings, seed, begin)
     new_evaluations = 0
     while True:
         steps = state.chain.shape[1]
@@ -112,12 +114,14 @@ def _burned(steps: int) -> int:
     return int(BURN_IN * steps)
 
 
-def _begin(problem: Problem, settings: SamplerSettings, seed: int) -> Checkpoint:
+def _begin(
+    problem: Problem, settings: SamplerSettings, seed: int, begin: FloatArray | None = None
+) -> Checkpoint:
     """Search, warm up, fit the jump targets; the state after that is where the kept chain starts."""
     walkers, size = settings.walkers_for(len(problem.priors)), len(problem.priors)
     sequences, warm = np.random.SeedSequence(seed).spawn(settings.ensembles), []
     starts = [
-        starting_walkers(problem.log_density, size, walkers, np.random.default_rng(sequence))
+        starting_walkers(problem.log_density, size, walkers, np.random.default_rng(sequence), begin)
         for sequence in sequences
     ]
     best = max(starts, key=lambda start: start.density)
