@@ -131,6 +131,21 @@ def test_a_large_campaign_is_thinned_evenly_and_says_so():
     assert any(f"15 of {len(data.capacity)} runs" in line for line in note)
 
 
+@pytest.mark.parametrize(("sessions", "most"), [(31, 600), (60, 600), (300, 600)])
+def test_thinning_keeps_every_condition_and_spreads_the_sessions(sessions, most):
+    session = [f"s{i:03d}" for i in range(sessions) for _ in range(20)] + ["s000"]
+    condition = [f"c{j:02d}" for _ in range(sessions) for j in range(20)] + ["rare"]
+    runs = len(session)
+    setup = conditions(np.full(runs, 200.0), tuple(session), tuple(condition))
+    found = CapacityData(setup, np.ones(runs), 0.01 * np.ones(runs)).thinned(most).conditions
+    assert len(found) == most
+    by_condition = Counter(found.condition)
+    assert by_condition["rare"] == 1
+    assert len(by_condition) == 21 and min(n for c, n in by_condition.items() if c != "rare") >= 29
+    assert len(set(found.session)) > 0.7 * sessions
+    assert max(Counter(found.session).values()) - min(Counter(found.session).values()) <= 8
+
+
 def test_forms_of_the_multiplier():
     voltage = np.array([150.0, 300.0, 150.0])
     for form, names, expected in (

@@ -92,6 +92,14 @@ def test_the_first_screen_says_the_verdict_and_its_caveats(results_folder: Path)
             {"effects": ["gap_tilt", "trapped_charge"], "alternatives": [["contact_aging"], ["gap_tilt"]]},
             "but contact aging or gap tilt alone cannot be ruled out",
         ),
+        (
+            {"alternatives": [[], ["contact_aging"]], "probability": 0.5},
+            "cannot tell it from no gap or contact aging",
+        ),
+        (
+            {"alternatives": [["contact_aging"], ["gap_tilt", "trapped_charge"]]},
+            "but contact aging or gap tilt and trapped charge cannot be ruled out",
+        ),
         ({"effects": ["trapped_charge", "gap_tilt"]}, "explained by trapped charge and gap tilt"),
     ],
 )

@@ -35,7 +35,9 @@ def condense(table: pd.DataFrame, channels: int) -> tuple[pd.DataFrame, tuple[st
         if _groups(table["condition"], together) <= most:
             break
     if count < len(sessions):
-        notes.append(f"{len(sessions)} sessions are taken together as {count}")
+        notes.append(
+            f"{len(sessions)} sessions are taken together as {count}: what they differ by counts as scatter of repeats"
+        )
     return table.assign(session=together), tuple(notes)
 
 

@@ -27,7 +27,8 @@ class CandidateResult:
     log_evidence_without: of the base model fitted from where this fit stands, which may be better than where it was
     found by itself; log_evidence_without_open: of that with a nameless remainder. log_density: by
     left-out condition. gap_left_out: mean square of the left-out conditions' errors as the contract counts them
-    (``Cells.mean_square``). errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
+    (``Cells.mean_square``), 0 where there is one condition only.
+    errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
     without and with the entry's condition in the fit. shift: how far the effect moves each entry. adequate_p:
     absolute gate with the effect in. parameters: the effect's own (a pair's with its name in front); calibrated:
     {name: {mean, sd, unit, prior_sds}}.
@@ -59,7 +60,7 @@ class CandidateResult:
         """Inverse of ``document``."""
         sequences = ("effects", "log_density", "errors_left_out", "errors", "shift", "multipliers")
         fields: dict[str, Any] = {k: tuple(v) if k in sequences else v for k, v in document.items()}
-        return cls(**fields)
+        return cls(**{"gap_left_out": 0.0} | fields)  # files of earlier versions lack it
 
 
 def condition_groups(data: DataVector) -> tuple[tuple[str, ...], list[np.ndarray]]:
@@ -124,7 +125,7 @@ def summarise(
         log_evidence_open,
         *log_evidence_without,
         tuple(left.log_density.tolist()),
-        float(cells.mean_square(errors_left_out[: data.run_entries])),
+        float(cells.mean_square(errors_left_out[: data.run_entries])) if len(groups) > 1 else 0.0,
         tuple(errors_left_out.tolist()),
         tuple(fitted.residual.tolist()),
         tuple(fitted.signature.tolist()),

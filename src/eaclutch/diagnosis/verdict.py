@@ -65,7 +65,7 @@ def _sentence(
         text += f"; a part remains that it does not explain (p = {fitted[first].adequate_p:.2g} that noise makes it)"
     if alternatives:
         text += "; cannot be ruled out: " + ", ".join(in_words(a) for a in alternatives)
-    return ". ".join([text, *(f"{note[:1].upper()}{note[1:]}" for note in notes)])
+    return text + (". Caveats: " + "; ".join(notes) if notes else "")
 
 
 def in_words(effects: Effects) -> str:

@@ -52,7 +52,7 @@ def probabilities(
     def own(result: CandidateResult) -> float:
         if not result.effects:
             return plain
-        if result.gap_left_out >= gap:
+        if result.gap_left_out > gap:
             return result.log_evidence
         return float(np.logaddexp(result.log_evidence, result.log_evidence_open - cost))
 

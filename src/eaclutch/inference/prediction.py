@@ -92,7 +92,7 @@ def replicate(
     replicated, status = {}, {}
     for name, value in prediction.values.items():
         codes = prediction.status_of(name)
-        noise: FloatArray = np.broadcast_to(_typical(measured.sds[name]), value.shape)
+        noise: FloatArray = np.broadcast_to(typical(measured.sds[name]), value.shape)
         if name not in FREE:
             noise = np.hypot(scatters[name].sd(np.nan_to_num(value)), noise)
         replicated[name] = value + noise * rng.standard_normal(value.shape)
@@ -101,7 +101,7 @@ def replicate(
     return Predicted(replicated, status)
 
 
-def _typical(sd: FloatArray) -> FloatArray:
+def typical(sd: FloatArray) -> FloatArray:
     """Measurement sds (runs,), the median where a run has none."""
     known = np.isfinite(sd)
     return np.where(known, sd, np.median(sd[known]) if known.any() else 0.0)

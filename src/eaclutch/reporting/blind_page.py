@@ -127,7 +127,8 @@ def _effect_table(own: Mapping[str, Any]) -> Table:
 
 def _strangers(own: Mapping[str, Any]) -> Table:
     return Table(
-        ["effect", "verdict", "cases"], [(r["truth"], r["said"], r["count"]) for r in own["strangers"]]
+        ["effect", "verdict", "cases"],
+        [(r["truth"], r["said"], r["count"]) for r in own.get("strangers", ())],
     )
 
 

@@ -142,7 +142,8 @@ def next_line(diagnosis: Mapping[str, Any]) -> str:
     if not entries:
         return ""
     best = entries[0]
-    gain = f"expected to settle {number(best['information_nats'], 2)} of {number(_doubt(diagnosis), 2)} nats of doubt"
+    doubt = _doubt(diagnosis)
+    gain = f"expected to settle {number(min(best['information_nats'], doubt), 2)} of {number(doubt, 2)} nats of doubt"
     if best["information_nats"] < TELLING:
         where = (
             ": look for what is missing where the gap sits"

@@ -39,10 +39,12 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
     closed = closure_words(diagnosis.get("closure") or {})
     further = [sorted(set(names) - set(effects)) for names in others if set(names) > set(effects)]
     needless = [sorted(set(effects) - set(names)) for names in others if set(names) < set(effects)]
-    rivals = [names for names in others if not set(names) > set(effects) and not set(names) < set(effects)]
+    larger = [names for names in others if set(names) > set(effects)]
+    needless_sets = [names for names in others if names and set(names) < set(effects)]
+    rivals = [names for names in others if names not in larger and names not in needless_sets]
     if rivals:
-        alone = [effect_words(names) + " alone" for names in others if set(names) < set(effects)]
-        listed = " or ".join([*(effect_words(names) for names in rivals), *alone])
+        alone = [effect_words(names) + " alone" for names in needless_sets]
+        listed = " or ".join([*(effect_words(names) for names in (*rivals, *larger)), *alone])
         start = f"The gap points to {named} (probability {probability}), but"
         if (verdict.get("probability") or 0.0) >= PROBABLE:
             return f"{start} {listed} cannot be ruled out."

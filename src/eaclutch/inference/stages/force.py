@@ -79,16 +79,19 @@ class CapacityData:
     thinned_from: int = 0
 
     def thinned(self, most: int = MOST_RUNS) -> CapacityData:
-        """At most ``most`` runs, evenly over the cells of (condition, session) and the repeats there: memory stays
-        bounded, and levels that runs share are not better known from more of them."""
+        """At most ``most`` runs, the conditions in turn, each with as many sessions as there are before any repeats:
+        memory stays bounded, and levels that runs share are not better known from more of them."""
         count = len(self.capacity)
         if count <= most:
             return self
-        cell = Cells.of(self.conditions.session, self.conditions.condition).cell
-        repeat = pd.Series(cell).groupby(cell).cumcount().to_numpy()
-        order = np.lexsort((cell, repeat))
-        first = order[: max(most, int(np.sum(repeat == 0)))]
-        rows = np.sort(first[np.linspace(0, len(first) - 1, most).round().astype(int)])
+        cells = Cells.of(self.conditions.session, self.conditions.condition)
+        frame = pd.DataFrame({"condition": cells.condition, "cell": cells.cell})
+        frame["repeat"] = frame.groupby("cell").cumcount()
+        # sessions in an order that leaves no pattern, another one in each condition (golden ratio, plastic number)
+        frame["shuffled"] = (0.6180339887 * cells.session + 0.7548776662 * cells.condition) % 1.0
+        frame = frame.sort_values(["repeat", "shuffled"], kind="stable")
+        frame["turn"] = frame.groupby("condition").cumcount()
+        rows = np.sort(frame.sort_values(["turn", "condition"], kind="stable").index[:most].to_numpy())
         return CapacityData(self.conditions.select(rows), self.capacity[rows], self.capacity_sd[rows], count)
 
 
@@ -140,7 +143,7 @@ def force_problem(
     def pieces(draws: int) -> list[np.ndarray]:
         """Draws whose dense covariances are worked out together."""
         at_once = int(np.clip(TOGETHER // len(observed) ** 2, 1, 50))
-        return np.array_split(np.arange(draws), max(draws // at_once, 1))
+        return np.array_split(np.arange(draws), max(-(-draws // at_once), 1))
 
     def pointwise(theta: FloatArray) -> FloatArray:
         result = np.empty((len(theta), len(observed)))
