@@ -28,6 +28,7 @@ def main() -> None:
     parser.add_argument(
         "--method-commit", required=True, help="tag or commit of the method when cases were sealed"
     )
+    parser.add_argument("--name", default="blind", help="of the record")
     chosen = parser.parse_args()
     score: dict[str, Any] = read_json(chosen.score)
     methods = {
@@ -39,7 +40,7 @@ def main() -> None:
         f"snakemake unseal --config 'blind={{size: {size}, ..}}', then python benchmarks/blind_record.py"
     )
     record(
-        "blind", command, {"method_commit": chosen.method_commit, "kinds": score["kinds"], "methods": methods}
+        chosen.name, command, {"method_commit": chosen.method_commit, "kinds": score["kinds"], "methods": methods}
     )
     library = methods["library"]
     for key in ("right", "false_alarms", "unknown_recognised", "wrong_name_on_unknown"):
