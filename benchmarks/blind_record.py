@@ -40,7 +40,9 @@ def main() -> None:
         f"snakemake unseal --config 'blind={{size: {size}, ..}}', then python benchmarks/blind_record.py"
     )
     record(
-        chosen.name, command, {"method_commit": chosen.method_commit, "kinds": score["kinds"], "methods": methods}
+        chosen.name,
+        command,
+        {"method_commit": chosen.method_commit, "kinds": score["kinds"], "methods": methods},
     )
     library = methods["library"]
     for key in ("right", "false_alarms", "unknown_recognised", "wrong_name_on_unknown"):

@@ -184,8 +184,10 @@ def main() -> None:
     by_runs: dict[str, dict[int, dict[str, float]]] = {}
     by_candidates: dict[int, dict[str, float]] = {}
     with tempfile.TemporaryDirectory() as name:
-        for runs in chosen.runs:
-            folder = Path(name) / str(runs)
+        for number, runs in enumerate(
+            [chosen.runs[0], *chosen.runs]
+        ):  # the first pass compiles and does not count
+            folder = Path(name) / f"{number}_{runs}"
             folder.mkdir()
             made = campaign(runs)
             jobs = {stage: partial(posterior, folder, made, stage) for stage in STAGES}
