@@ -1,6 +1,8 @@
 """Torture of a whole run: whatever happens to it, the same command again ends in the same results.
 
-    python benchmarks/torture/full_run.py --kills 50 --output docs/measurements/torture.json
+    python benchmarks/torture/full_run.py --kills 50 --output ../torture.json
+
+The output lies outside the checkout: a changed checkout is another version in every report that is compared.
 
 Trials: kill -9 of the process group at random moments, disk full, read-only campaign, results removed in the middle,
 two runs at once, data and config changed between kill and resume, clock set back, a campaign that changes meanwhile.
