@@ -4,8 +4,8 @@
 
 Simulated campaigns at the level of observables: 20 conditions, 20 runs a session. Each stage runs in a process of its
 own, as its rule does, so that its peak memory is its own. More candidates than the library has are its own over again:
-what a candidate costs is one job. Prints a table with fitted exponents, records docs/measurements/growth.json and
-draws docs/pictures/growth.png.
+what a candidate costs is one job. Prints exponents from size to size and records docs/measurements/growth.json;
+``--picture growth.png`` draws them.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 import matplotlib as mpl
 import numpy as np
-from measurement import FOLDER, record
+from measurement import record
 
 from eaclutch.cli.inference import capacity_data, measured_runs
 from eaclutch.diagnosis.conclude import conclude
@@ -180,6 +180,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--runs", type=int, nargs="+", default=[60, 600, 6000])
     parser.add_argument("--candidates", type=int, nargs="+", default=[4, 16, 64])
+    parser.add_argument("--picture", type=Path, help="file to draw to")
     chosen = parser.parse_args()
     by_runs: dict[str, dict[int, dict[str, float]]] = {}
     by_candidates: dict[int, dict[str, float]] = {}
@@ -207,7 +208,8 @@ def main() -> None:
     growth = exponents_of(by_candidates)
     print("exponents over runs", exponents)
     print("exponents over candidates", growth)
-    draw(by_runs, FOLDER.parent / "pictures" / "growth.png")
+    if chosen.picture:
+        draw(by_runs, chosen.picture)
     sizes, counts = (" ".join(map(str, numbers)) for numbers in (chosen.runs, chosen.candidates))
     command = f"python benchmarks/growth.py --runs {sizes} --candidates {counts}"
     record("growth", command, {
