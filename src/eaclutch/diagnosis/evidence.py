@@ -4,6 +4,7 @@ spread may be, less what a linearised fit promises and the model does not keep."
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -20,38 +21,57 @@ from eaclutch.records import FloatArray
 ON_THE_WAY = np.array([0.0, 0.25, 0.5, 1.0])  # from a fit's mode to where its linearisation would move
 # Tolerances beyond those that an evidence may take: around a large gap a fit must not bend the calibrated parameters.
 WIDER = (4.0, 8.0, 16.0)
+NEGLIGIBLE = 20.0  # nats below the best, from which multipliers add nothing
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """log_evidence (nats): averaged over the usual multipliers. peak: of the most probable ones, however wide.
+    multipliers: these, (tolerance, session)."""
+
+    log_evidence: float
+    peak: float
+    multipliers: tuple[float, float]
 
 
 def marginal_evidence(
-    w: FloatArray,
-    jacobian: FloatArray,
+    forward: Forward,
+    data: DataVector,
     kernels: Kernels,
     thresholds: Mapping[str, Any],
+    mode: Mode,
     signature: FloatArray,
-) -> tuple[float, tuple[float, float], float, tuple[float, float]]:
-    """Evidence averaged over the usual multipliers, the best of these, the largest of all, and where it is."""
+) -> Evidence:
+    """Laplace's evidence at a mode over the grid of multipliers, each less what is ``unrealised`` there."""
     grid = thresholds["multipliers"]
-    prior = jacobian @ jacobian.T
     usual = dict(zip(grid["tolerance"]["values"], grid["tolerance"]["weights"], strict=True))
-    scores, weighted, pairs, usual_pairs = [], [], [], []
-    for t in (*usual, *WIDER):
-        for s, p_s in zip(grid["session"]["values"], grid["session"]["weights"], strict=True):
-            covariance = kernels.total(
-                tolerance=t, session=s, signature=signature,
-                signature_tolerance=thresholds["signature_tolerance"],
-            )  # fmt: skip
-            scores.append(log_normal(w, covariance + prior))
-            pairs.append((float(t), float(s)))
-            if t in usual:
-                weighted.append(scores[-1] + np.log(usual[t] * p_s))
-                usual_pairs.append(pairs[-1])
-    best = int(np.argmax(scores))
-    return (
-        float(logsumexp(weighted)),
-        usual_pairs[int(np.argmax(weighted))],
-        float(scores[best]),
-        pairs[best],
-    )
+    sizes = [
+        (float(t), float(s), np.log(usual[t] * p) if t in usual else -np.inf)
+        for t in (*usual, *WIDER)
+        for s, p in zip(grid["session"]["values"], grid["session"]["weights"], strict=True)
+    ]
+    w = data.values - mode.predicted + mode.jacobian @ mode.u
+
+    def linearised(tolerance: float, session: float) -> Linearised:
+        covariance = kernels.total(
+            tolerance=tolerance, session=session,
+            signature=signature, signature_tolerance=thresholds["signature_tolerance"],
+        )  # fmt: skip
+        return Linearised(w, mode.jacobian, covariance)
+
+    promised = np.array([log_normal(w, linearised(t, s).marginal()) for t, s, _ in sizes])
+    prior = np.array([log_prior for *_, log_prior in sizes])
+    kept = np.full(len(sizes), -np.inf)
+    for i in np.argsort(-promised):
+        # nothing is kept beyond what is promised: the rest cannot come near
+        if (
+            promised[i] < np.max(kept) - NEGLIGIBLE
+            and promised[i] + prior[i] < np.max(kept + prior) - NEGLIGIBLE
+        ):
+            continue
+        kept[i] = promised[i] - unrealised(forward, data, mode, linearised(*sizes[i][:2]))
+    best = int(np.argmax(kept))
+    return Evidence(float(logsumexp(kept + prior)), float(kept[best]), sizes[best][:2])
 
 
 def unrealised(forward: Forward, data: DataVector, mode: Mode, linearised: Linearised) -> float:

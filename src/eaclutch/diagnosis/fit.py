@@ -8,7 +8,7 @@ by one assumed size.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from scipy.stats import qmc
 
 from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.data import DataVector
-from eaclutch.diagnosis.evidence import marginal_evidence, unrealised
+from eaclutch.diagnosis.evidence import marginal_evidence
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised
 from eaclutch.diagnosis.mode import Mode, find_mode
@@ -140,26 +140,16 @@ def _finish(
 ) -> HypothesisFit:
     signature = own_signature(forward, mode.theta)
     residual = data.values - mode.predicted
-    w = residual + mode.jacobian @ mode.u
-    evidence, usual, peak, multipliers = marginal_evidence(w, mode.jacobian, kernels, thresholds, signature)
-
-    def covariance_of(size: tuple[float, float]) -> FloatArray:
-        return kernels.total(
-            tolerance=size[0], session=size[1],
-            signature=signature, signature_tolerance=thresholds["signature_tolerance"],
-        )  # fmt: skip
-
-    linearised = Linearised(w, mode.jacobian, covariance_of(multipliers))
-    lost = unrealised(forward, data, mode, linearised)
-    peak -= lost
-    evidence -= (
-        lost
-        if usual == multipliers
-        else unrealised(forward, data, mode, replace(linearised, covariance=covariance_of(usual)))
-    )
+    found = marginal_evidence(forward, data, kernels, thresholds, mode, signature)
+    covariance = kernels.total(
+        tolerance=found.multipliers[0], session=found.multipliers[1],
+        signature=signature, signature_tolerance=thresholds["signature_tolerance"],
+    )  # fmt: skip
+    linearised = Linearised(residual + mode.jacobian @ mode.u, mode.jacobian, covariance)
     return HypothesisFit(
-        forward.candidates, mode, linearised, residual, signature, multipliers, evidence, peak
-    )
+        forward.candidates, mode, linearised, residual, signature,
+        found.multipliers, found.log_evidence, found.peak,
+    )  # fmt: skip
 
 
 def own_signature(forward: Forward, theta: FloatArray) -> FloatArray:

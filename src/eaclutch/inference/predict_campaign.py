@@ -14,7 +14,7 @@ from eaclutch.inference.coverage import coverage_document, ranks
 from eaclutch.inference.draws import load_draws, with_prior_draws
 from eaclutch.inference.left_out import folds, refit_draws, unseen_voltages, without
 from eaclutch.inference.posterior import StageInputs, force_response
-from eaclutch.inference.prediction import Measured, Predicted, predict_runs, replicate, typical
+from eaclutch.inference.prediction import Measured, Predicted, predict_runs, replicate
 from eaclutch.inference.repeatability import Scatter
 from eaclutch.inference.response import Response
 from eaclutch.physics.model import ClutchModel
@@ -41,13 +41,12 @@ class _Campaign:
         self, rows: np.ndarray, joint: Mapping[str, FloatArray], rng: np.random.Generator
     ) -> Predicted:
         """Runs ``rows`` at joint draws, some hundred at once: a model's own arrays are many times what is kept."""
-        found = []
-        sds = {name: typical(sd) for name, sd in self.measured.sds.items()}
-        whole = replace(self.measured, sds=sds)
+        found, errors = [], self.measured.errors()
         for some in np.array_split(rows, max(1, -(-len(rows) // TOGETHER))):
-            part = whole.select(some)
+            part = self.measured.select(some)
             prediction = predict_runs(self.model, part.conditions, joint, tuple(part.values))
-            found.append(replicate(prediction, part, self.scatters, rng))
+            own = {name: sd[some] for name, sd in errors.items()}
+            found.append(replicate(prediction, own, self.scatters, rng))
         return Predicted(
             {n: np.concatenate([f.replicated[n] for f in found], axis=1) for n in found[0].replicated},
             {n: np.concatenate([f.status[n] for f in found]) for n in found[0].status},

@@ -37,6 +37,14 @@ class Measured:
             {n: v[rows] for n, v in self.sds.items()}, self.preload[rows],
         )  # fmt: skip
 
+    def errors(self) -> dict[str, FloatArray]:
+        """Measurement sds {observable: (runs,)}, the median where a run has none."""
+        found = {}
+        for name, sd in self.sds.items():
+            known = np.isfinite(sd)
+            found[name] = np.where(known, sd, np.median(sd[known]) if known.any() else 0.0)
+        return found
+
     def scatters(self) -> dict[str, Scatter]:
         cells = Cells.of(self.conditions.session, self.conditions.condition)
         return {
@@ -86,22 +94,19 @@ def predict_runs(
 
 
 def replicate(
-    prediction: Prediction, measured: Measured, scatters: Mapping[str, Scatter], rng: np.random.Generator
+    prediction: Prediction,
+    errors: Mapping[str, FloatArray],
+    scatters: Mapping[str, Scatter],
+    rng: np.random.Generator,
 ) -> Predicted:
-    """Predictions with the scatter between runs and the measurement's own error added."""
+    """Predictions with the scatter between runs and the measurement's own error, sds (runs,), added."""
     replicated, status = {}, {}
     for name, value in prediction.values.items():
         codes = prediction.status_of(name)
-        noise: FloatArray = np.broadcast_to(typical(measured.sds[name]), value.shape)
+        noise: FloatArray = np.broadcast_to(errors[name], value.shape)
         if name not in FREE:
             noise = np.hypot(scatters[name].sd(np.nan_to_num(value)), noise)
         replicated[name] = value + noise * rng.standard_normal(value.shape)
         counts = np.stack([(codes == s).sum(axis=0) for s in Status])
         status[name] = np.array([Status(i).name for i in np.argmax(counts, axis=0)])
     return Predicted(replicated, status)
-
-
-def typical(sd: FloatArray) -> FloatArray:
-    """Measurement sds (runs,), the median where a run has none."""
-    known = np.isfinite(sd)
-    return np.where(known, sd, np.median(sd[known]) if known.any() else 0.0)

@@ -37,23 +37,21 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
         return f"There is a gap, and {which} explains it (probability {probability}{_not_ruled_out(others)})."
     named = effect_words(effects)
     closed = closure_words(diagnosis.get("closure") or {})
-    further = [sorted(set(names) - set(effects)) for names in others if set(names) > set(effects)]
-    needless = [sorted(set(effects) - set(names)) for names in others if set(names) < set(effects)]
     larger = [names for names in others if set(names) > set(effects)]
-    needless_sets = [names for names in others if names and set(names) < set(effects)]
-    rivals = [names for names in others if names not in larger and names not in needless_sets]
+    smaller = [names for names in others if names and set(names) < set(effects)]
+    rivals = [names for names in others if names not in larger and names not in smaller]
     if rivals:
-        alone = [effect_words(names) + " alone" for names in needless_sets]
+        alone = [effect_words(names) + " alone" for names in smaller]
         listed = " or ".join([*(effect_words(names) for names in (*rivals, *larger)), *alone])
         start = f"The gap points to {named} (probability {probability}), but"
         if (verdict.get("probability") or 0.0) >= PROBABLE:
             return f"{start} {listed} cannot be ruled out."
         return f"{start} these data cannot tell it from {listed}."
-    if further:
-        listed = " or ".join(effect_words(names) for names in further)
+    if larger:
+        listed = " or ".join(effect_words(sorted(set(names) - set(effects))) for names in larger)
         closed += f"; whether {listed} adds to it, these data cannot tell"
-    if needless:
-        listed = " or ".join(effect_words(names) for names in needless)
+    if smaller:
+        listed = " or ".join(effect_words(sorted(set(effects) - set(names))) for names in smaller)
         closed += f"; whether {listed} is needed for that, these data cannot tell"
     partly = "partly " if _left(diagnosis) else ""
     return f"The gap is {partly}explained by {named} (probability {probability}){closed}."
