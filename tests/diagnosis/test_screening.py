@@ -53,6 +53,7 @@ def weighed(effects, evidence, without=0.0):
         log_evidence_without=without,
         log_evidence_without_open=without - 3.0,
         gap_left_out=1.0 if effects else 2.0,
+        adequate_p=0.5,
     )
 
 
@@ -85,6 +86,17 @@ def test_what_widens_the_gap_left_out_explains_no_part_of_it():
     wider = probabilities([base, named], thresholds)
     assert max(partly, key=partly.__getitem__) == ("gap_tilt",)
     assert max(wider, key=wider.__getitem__) == ("unknown",)
+
+
+def test_the_best_name_is_no_sure_name_where_its_fit_fails_the_absolute_check():
+    thresholds = load_thresholds()
+    base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
+    fits = probabilities([base, named], thresholds)
+    named.adequate_p = 0.005
+    misfits = probabilities([base, named], thresholds)
+    assert fits[("gap_tilt",)] == pytest.approx(1.0) and fits[("unknown",)] == pytest.approx(0.0, abs=1e-9)
+    assert misfits[("unknown",)] == pytest.approx(thresholds["misfit_share"])
+    assert sum(misfits.values()) == pytest.approx(1.0)
 
 
 def test_an_effect_is_as_likely_beforehand_beside_few_others_as_beside_many():

@@ -106,16 +106,22 @@ def diagnosis_full(
     study, told = _study(campaign, results, settings, seed), read_json(verdict)
     sampler = sampler_settings(parse_settings(settings)["posterior"])
     draws.mkdir(parents=True, exist_ok=True)
-    rows = []
+    rows, checkpoints = [], []
     for number, effects in enumerate(finalists(told)):
         name = "+".join(effects) or "base"
+        checkpoints.append(output.with_suffix(f".{name}.checkpoint.npz"))
         fitted = fit_of(study, effects, told)
         problem = problem_of(study, fitted)
         logger.info("diagnosis: %s, %d parameters", name, len(problem.priors))
-        sampled = sample(problem, sampler, seed + number, progress=logger.info, begin=fitted.mode.u)
+        sampled = sample(
+            problem, sampler, seed + number,
+            checkpoint=checkpoints[-1], progress=logger.info, begin=fitted.mode.u,
+        )  # fmt: skip
         storage.save(draws / f"{name}.nc", storage.inference_data(problem, sampler, seed, sampled))
         rows.append(compared(study, fitted, sampled, study.generator(31, number)))
     write_json(output, document(rows, told, float(study.thresholds["temperature"])))
+    for checkpoint in checkpoints:  # only now: a killed run goes on behind its last finished finalist
+        checkpoint.unlink(missing_ok=True)
 
 
 COMMANDS = [diagnosis_gap, diagnosis_candidate, diagnosis, diagnosis_full, confusion]

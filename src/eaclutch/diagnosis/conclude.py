@@ -89,7 +89,7 @@ def gap_summary(study: Study, base: CandidateResult) -> dict[str, Any]:
 def _explained(study: Study, verdict: Verdict, after: CandidateResult) -> FloatArray | None:
     """What of the base model's errors (entries,) the verdict accounts for; None where there is no gap."""
     if verdict.effects == UNKNOWN:
-        return study.nameless.discrepancy
+        return study.remainder.discrepancy
     return np.array(after.shift) if after.effects else None
 
 

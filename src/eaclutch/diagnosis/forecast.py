@@ -17,6 +17,7 @@ from scipy.special import logsumexp
 
 from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.fit import scout_shifts
+from eaclutch.diagnosis.modulated import changes, gains
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import LIBRARY
 from eaclutch.physics.effects import EFFECTS
@@ -67,6 +68,9 @@ class Forecast:
             for factor in thresholds["nameless"]["factors"]
             if factor > 1.0
         ]
+        self.laws = [
+            self._whiten(columns.T).T for _, _, columns in changes(base.mode, study.data, thresholds)
+        ]
         self.nameless_cost = float(-np.log(thresholds["nameless"]["free_share"] / len(self.nameless_roots)))
 
     def _whiten(self, w: FloatArray) -> FloatArray:
@@ -96,10 +100,19 @@ class Forecast:
         for root in self.nameless_roots:
             z = solve_triangular(root, w.T, lower=True)
             nameless.append(-0.5 * np.sum(z**2, axis=0) - np.sum(np.log(np.diag(root))) + log_det)
-        scores.append(logsumexp(nameless, axis=0) - self.nameless_cost)
+        scores.append(self._with_laws(logsumexp(nameless, axis=0) - self.nameless_cost, plain, a.T))
         scores.append(plain)
         total = np.stack(scores, axis=1) / self.study.thresholds["temperature"] + self.log_prior
         return np.argmax(total, axis=1)
+
+    def _with_laws(self, smooth: FloatArray, plain: FloatArray, white: FloatArray) -> FloatArray:
+        """Evidence (sets,) of a nameless term of either kind (``remainder``)."""
+        if not self.laws:
+            return smooth
+        settings = self.study.thresholds["modulated"]
+        gained = np.concatenate([gains(moved, white, np.array(settings["sizes"])) for moved in self.laws])
+        law = plain + logsumexp(gained, axis=0) - np.log(len(gained))
+        return np.logaddexp(smooth + np.log1p(-settings["share"]), law + np.log(settings["share"]))
 
     @staticmethod
     def _cloud_evidence(a: FloatArray, cloud: Cloud) -> FloatArray:

@@ -14,6 +14,7 @@ from eaclutch.diagnosis.fit import HypothesisFit
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gate import adequacy, simulate_null
 from eaclutch.diagnosis.gaussian import LeaveOut, Linearised, given, leave_out
+from eaclutch.diagnosis.remainder import Remainder
 from eaclutch.records import FloatArray
 
 FARTHEST = 5.0  # prior sds, of a parameter where a condition is left out
@@ -30,7 +31,8 @@ class CandidateResult:
     (``Cells.mean_square``), 0 where there is one condition only.
     errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
     without and with the entry's condition in the fit. shift: how far the effect moves each entry. adequate_p:
-    absolute gate with the effect in. parameters: the effect's own (a pair's with its name in front); calibrated:
+    absolute gate with the effect in. remainder_law: (quantity, setting) where the nameless remainder is best said so,
+    else empty. parameters: the effect's own (a pair's with its name in front); calibrated:
     {name: {mean, sd, unit, prior_sds}}.
     """
 
@@ -50,6 +52,7 @@ class CandidateResult:
     calibrated: Mapping[str, Mapping[str, Any]]
     multipliers: tuple[float, float]
     converged: bool
+    remainder_law: tuple[str, ...]
 
     def document(self) -> dict[str, Any]:
         """JSON-able mapping."""
@@ -58,9 +61,21 @@ class CandidateResult:
     @classmethod
     def read(cls, document: Mapping[str, Any]) -> CandidateResult:
         """Inverse of ``document``."""
-        sequences = ("effects", "log_density", "errors_left_out", "errors", "shift", "multipliers")
+        sequences = (
+            "effects",
+            "log_density",
+            "errors_left_out",
+            "errors",
+            "shift",
+            "multipliers",
+            "remainder_law",
+        )
         fields: dict[str, Any] = {k: tuple(v) if k in sequences else v for k, v in document.items()}
-        return cls(**{"gap_left_out": 0.0} | fields)  # files of earlier versions lack it
+        earlier: dict[str, Any] = {
+            "gap_left_out": 0.0,
+            "remainder_law": (),
+        }  # what files of earlier versions lack
+        return cls(**earlier | fields)
 
 
 def condition_groups(data: DataVector) -> tuple[tuple[str, ...], list[np.ndarray]]:
@@ -98,7 +113,7 @@ def summarise(
     forward: Forward,
     data: DataVector,
     cells: Cells,
-    log_evidence_open: float,
+    remainder: Remainder,
     log_evidence_without: tuple[float, float],
     readings: Mapping[str, float],
     rng: np.random.Generator,
@@ -122,7 +137,7 @@ def summarise(
     return CandidateResult(
         fitted.effects,
         fitted.log_evidence,
-        log_evidence_open,
+        remainder.log_evidence,
         *log_evidence_without,
         tuple(left.log_density.tolist()),
         float(cells.mean_square(errors_left_out[: data.run_entries])) if len(groups) > 1 else 0.0,
@@ -135,4 +150,5 @@ def summarise(
         calibrated,
         fitted.multipliers,
         mode.converged,
+        remainder.law,
     )

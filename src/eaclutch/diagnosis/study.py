@@ -16,13 +16,13 @@ from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.condense import condense
 from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
-from eaclutch.diagnosis.evidence import unrealised
 from eaclutch.diagnosis.fit import HypothesisFit, fit_hypothesis
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised, log_normal, posterior_mean
 from eaclutch.diagnosis.mode import find_mode
 from eaclutch.diagnosis.nameless import Nameless, nameless_fit
 from eaclutch.diagnosis.readings import of_the_reading
+from eaclutch.diagnosis.remainder import Remainder, with_remainder
 from eaclutch.diagnosis.result import CandidateResult, summarise
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.physics.model import ClutchModel
@@ -211,7 +211,7 @@ class Study:
     def _without(self, fitted: HypothesisFit) -> tuple[float, float]:
         """Evidence of the base model, and with a nameless remainder, fitted once more from the calibrated parameters
         of a better fit: what an effect gains must not be that its fit ended in a better place."""
-        plain, remainder = self.base.log_evidence, self._base_open
+        plain, remainder = self.base.log_evidence, self.remainder.log_evidence
         if not fitted.effects or fitted.log_evidence < plain + WORTH_OPENING:
             return plain, remainder
         again = fit_hypothesis(
@@ -220,31 +220,19 @@ class Study:
         gain = max(again.log_evidence - plain, 0.0)
         if gain < SAME_PLACE:
             return plain + gain, remainder + gain
-        return plain + gain, max(remainder, self._open(again))
+        return plain + gain, max(remainder, self._open(again).log_evidence)
 
     @cached_property
-    def _base_open(self) -> float:
-        """Evidence of the base model with a nameless remainder."""
-        return self._kept(self.base, self.nameless)
+    def remainder(self) -> Remainder:
+        """Beside the base model: what an effect that the library lacks would have to be."""
+        return with_remainder(
+            self.forward(()), self.data, self.kernels, self.thresholds, self.base, self.nameless
+        )
 
-    def _open(self, fitted: HypothesisFit) -> float:
-        """Evidence with a nameless remainder; worked out only where the effects explain something at all."""
+    def _open(self, fitted: HypothesisFit) -> Remainder:
+        """A fit with a nameless remainder; worked out only where the effects explain something at all."""
         if fitted is self.base:
-            return self._base_open
+            return self.remainder
         if fitted.effects and fitted.log_evidence < self.base.log_evidence + WORTH_OPENING:
-            return fitted.log_evidence
-        found = nameless_fit(fitted.linearised, self.data, self.kernels, self.thresholds, fitted.signature)
-        return self._kept(fitted, found)
-
-    def _kept(self, fitted: HypothesisFit, found: Nameless) -> float:
-        """Evidence of a fit with a nameless remainder, as the model keeps it: where the linearised fit promises much
-        more, it is fitted once more with the remainder's covariance."""
-        forward, linearised = self.forward(fitted.effects), found.linearised
-        lost = unrealised(forward, self.data, fitted.mode, linearised)
-        if lost < WORTH_OPENING:
-            return found.log_evidence - lost
-        mode = find_mode(forward, self.data.values, lambda theta: linearised.covariance, fitted.mode.u)
-        w = self.data.values - mode.predicted + mode.jacobian @ mode.u
-        again = Linearised(w, mode.jacobian, linearised.covariance)
-        gain = log_normal(w, again.marginal()) - log_normal(linearised.w, linearised.marginal())
-        return found.log_evidence + max(gain - unrealised(forward, self.data, mode, again), -lost)
+            return Remainder(fitted.log_evidence, np.zeros(len(self.data)))
+        return with_remainder(self.forward(fitted.effects), self.data, self.kernels, self.thresholds, fitted)

@@ -57,7 +57,7 @@ def _sentence(
     if first == NONE:
         text = "no gap beyond repeatability, session spread and the base laws' tolerance"
     elif first == UNKNOWN:
-        text = "there is a gap, and a nameless smooth term explains it better than any effect in the library"
+        text = _unknown(fitted.get(NONE))
     else:
         text = f"{in_words(first)} explains the gap best, the calibrated parameters refitted along with it"
     text += f" (probability {probability:.2f})"
@@ -66,6 +66,13 @@ def _sentence(
     if alternatives:
         text += "; cannot be ruled out: " + ", ".join(in_words(a) for a in alternatives)
     return text + (". Caveats: " + "; ".join(notes) if notes else "")
+
+
+def _unknown(base: CandidateResult | None) -> str:
+    if base is None or not base.remainder_law:
+        return "there is a gap, and a nameless smooth term explains it better than any effect in the library"
+    quantity, setting = (name.replace("_", " ") for name in base.remainder_law)
+    return f"there is a gap, best explained as if {quantity} changed with {setting}: no effect in the library does that"
 
 
 def in_words(effects: Effects) -> str:

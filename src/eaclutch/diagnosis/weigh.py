@@ -30,7 +30,8 @@ def probabilities(
     pair that was fitted. A named set may leave a nameless remainder, which costs it ``remainder_cost`` nats: its
     law is not the library's, but it is still the cause. An effect that the library lacks must do better than
     that by itself. A set that predicts left-out conditions worse than the base model may leave none: what makes a gap
-    wider explains no part of it, however well it does elsewhere once a block is given up.
+    wider explains no part of it, however well it does elsewhere once a block is given up. And a name whose fit fails
+    the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence only says who is best.
     """
     prior = thresholds["prior"]
     singles = [r for r in results if len(r.effects) == 1]
@@ -59,8 +60,13 @@ def probabilities(
     evidence = np.array([*map(own, results), unknown])
     log_prior = np.log([share[len(r.effects)] for r in results] + [prior["unknown"]])
     score = evidence / thresholds["temperature"] + log_prior
-    weights = np.exp(score - logsumexp(score))
-    return {key: float(w) for key, w in zip(keys, weights, strict=True)}
+    found = dict(zip(keys, np.exp(score - logsumexp(score)).tolist(), strict=True))
+    for result in results:
+        if result.effects and result.adequate_p < thresholds["verdict"]["adequate_p_value"]:
+            doubt = float(thresholds["misfit_share"]) * found[result.effects]
+            found[result.effects] -= doubt
+            found[UNKNOWN] += doubt
+    return found
 
 
 def by_effect(weights: Mapping[tuple[str, ...], float]) -> dict[str, float]:
