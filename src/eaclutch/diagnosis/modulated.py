@@ -4,7 +4,8 @@ What a library lacks is most often not a new curve for one observable: it is a f
 force that gives way at high frequency, a film that is thinner in the later sessions. Every observable then moves as
 the model says for that quantity, which a smooth term for each block by itself cannot know. The change is a Gaussian
 process over the setting; around a fit it adds (j j') * k(x, x') to the covariance, j being the derivative of the
-predictions with respect to the logarithm of the quantity.
+predictions with respect to the logarithm of the quantity. Voltage is not among the settings: most of what the library
+names acts through the field, and the force multiplier's own slope is free to follow it.
 """
 
 from __future__ import annotations
@@ -121,7 +122,7 @@ def _shapes(data: DataVector, thresholds: Mapping[str, Any]) -> Iterator[tuple[s
     def of_entries(values: FloatArray) -> FloatArray:
         return np.array([values[data.groups == group].mean() for group in data.entry_group])
 
-    settings = dict(zip(SETTINGS, data.features[:n].T, strict=False))
+    settings = {name: x for name, x in zip(SETTINGS, data.features[:n].T, strict=False) if name != "voltage"}
     settings["thickness"] = of_entries(np.log(runs.thickness) / scales["log_width"])
     settings["time in the campaign"] = of_entries(age / scales["order"])
     for name, x in settings.items():
