@@ -47,10 +47,16 @@ class Noise:
     def sd(self, weights: FloatArray, count: int = 160) -> float:
         """Standard uncertainty of sum(weights * force) [weights' unit x N], from this very noise.
 
-        At least the white noise's share: long windows have few independent repeats in a stretch.
+        What a stretch shows beyond the white noise's share counts as far as so few independent windows can show it:
+        the larger of the two would be too large on average.
         """
+        white = self.white_sd**2 * float(np.sum(weights**2))
         drawn = self.windows(len(weights), count) @ weights
-        return float(max(np.sqrt(np.mean(drawn**2)), self.white_sd * np.sqrt(np.sum(weights**2))))
+        excess = float(np.mean(drawn**2)) / white - 1.0
+        if excess <= 0.0:
+            return float(np.sqrt(white))
+        chance = 2.0 * len(weights) / len(self.residual)  # variance of the excess of pure white noise
+        return float(np.sqrt(white * (1.0 + excess * max(0.0, 1.0 - chance / excess**2))))
 
 
 def noise_of(force: FloatArray, step: float) -> Noise | None:

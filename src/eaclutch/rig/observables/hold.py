@@ -32,11 +32,15 @@ def _start_ratio(run: RunView) -> Estimate:
     if most < 5.0 * math.hypot(top.sd, before.sd, final.sd):
         raise Unusable("no_capacity")
     ratio = way / most
-    sd = (
-        math.hypot(level.sd, ratio * math.hypot(top.sd, before.sd, friction.sd), (1.0 - ratio) * final.sd)
-        / most
+    # what the drive's edges add, level and peak have in common
+    common = run.drive_offset_sd
+    own_level, own_top = (math.sqrt(max(part.sd**2 - common**2, 0.0)) for part in (level, top))
+    parts = (
+        own_level,
+        ratio * math.hypot(own_top, before.sd, friction.sd),
+        (1.0 - ratio) * math.hypot(final.sd, common),
     )
-    return Estimate(ratio, sd)
+    return Estimate(ratio, math.hypot(*parts) / most)
 
 
 def _creep(run: RunView) -> Estimate:
