@@ -117,6 +117,17 @@ def test_an_effect_that_leaves_a_gap_explains_it_partly(results_folder: Path) ->
     assert "part of the gap still stays unexplained" in html[: html.index("</header>")]
 
 
+@pytest.mark.parametrize(("most", "left"), [(1.0, False), (0.7, True)])
+def test_more_is_missing_only_where_noise_would_not_leave_as_much(
+    results_folder: Path, most: float, left: bool
+) -> None:
+    path = results_folder / "diagnosis" / "diagnosis.json"
+    document = read_json(path)
+    document["closure"] |= {"shrinkage": 0.5, "interval": [0.1, most]}
+    write_json(path, document)
+    assert ("something else is missing" in page(results_folder)) is left
+
+
 def test_the_page_stands_alone_and_its_links_lead_somewhere(results_folder: Path) -> None:
     html = page(results_folder)
     found = Structure()

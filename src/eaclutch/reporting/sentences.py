@@ -64,13 +64,15 @@ def _not_ruled_out(others: Sequence[Sequence[str]]) -> str:
 
 
 def _left(diagnosis: Mapping[str, Any]) -> bool:
-    """Whether the verdict's effects leave a gap: one of them alone fails the absolute check, or all close little."""
+    """Whether the verdict's effects leave a gap: one of them alone fails the absolute check, or noise alone would have
+    left less open (then the closure's interval ends below 1)."""
     causes = {cause["effect"]: cause for cause in diagnosis.get("causes", [])}
     effects = diagnosis["verdict"]["effects"]
     if len(effects) == 1 and causes.get(effects[0], {}).get("adequate_after") is False:
         return True
-    share = (diagnosis.get("closure") or {}).get("shrinkage")
-    return share is not None and share < MOST_OF_IT
+    closure = diagnosis.get("closure") or {}
+    share, (_, most) = closure.get("shrinkage"), closure.get("interval") or (None, None)
+    return share is not None and share < MOST_OF_IT and (most is None or most < 1.0)
 
 
 def closure_words(closure: Mapping[str, Any]) -> str:
