@@ -82,8 +82,9 @@ class Bench:
         return float(self.rng.uniform(1.0, 1.1 * self.wall))
 
     def last_lines(self, work: Path) -> list[str]:
-        """The error lines in the run's output."""
-        text = (self.folder / f"{work.name}.log").read_text(errors="replace")
+        """The error lines in the run's output; none before its first start."""
+        log = self.folder / f"{work.name}.log"
+        text = log.read_text(errors="replace") if log.exists() else ""
         return [line for line in text.splitlines() if line.startswith("eaclutch: error:")]
 
 
