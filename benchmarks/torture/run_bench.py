@@ -85,7 +85,8 @@ class Bench:
         """The error lines in the run's output; none before its first start."""
         log = self.folder / f"{work.name}.log"
         text = log.read_text(errors="replace") if log.exists() else ""
-        return [line for line in text.splitlines() if line.startswith("eaclutch: error:")]
+        found = [line for line in text.splitlines() if line.startswith("eaclutch: error:")]
+        return [line.replace(str(self.folder), "<folder>") for line in found]
 
 
 def state(work: Path) -> dict[str, str]:

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from eaclutch.diagnosis.forecast import SURE, Forecast
+from eaclutch.diagnosis.modulated import changes
 from eaclutch.diagnosis.planned import plan_of, planned_study
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.records import Bench, Campaign, LogFile, RunSettings, Substrate
@@ -27,10 +28,14 @@ def campaign():
 
 
 @pytest.fixture(scope="module")
-def document():
+def forecast():
     chosen = {"diagnosis": {"candidates": ["series_compliance", "trigger_latency"]}}
-    study = planned_study(campaign(), chosen, load_thresholds(), seed=5)
-    return Forecast(study).document(np.random.default_rng(6))
+    return Forecast(planned_study(campaign(), chosen, load_thresholds(), seed=5))
+
+
+@pytest.fixture(scope="module")
+def document(forecast):
+    return forecast.document(np.random.default_rng(6))
 
 
 def test_no_log_is_opened_to_plan():
@@ -55,3 +60,22 @@ def test_limits_are_where_the_right_verdict_becomes_likely(document):
     reached = [float(size) for size, p in limit["probability_by_size"].items() if p >= SURE]
     assert limit["size"] == pytest.approx(min(reached), rel=1e-2)
     assert limit["parameters"]["compliance"] > 0
+
+
+def test_what_changes_with_frequency_is_unknown_to_the_forecast_too(forecast):
+    """A load cell that is softer or stiffer at high frequency, eight sd in all: nameless laws always see it, smooth
+    terms over the channels do not."""
+    study = forecast.study
+    columns = next(
+        columns
+        for quantity, setting, columns in changes(study.base.mode, study.data, study.thresholds)
+        if (quantity, setting) == ("stiffness", "drive frequency")
+    )
+    _, size, direction = np.linalg.svd(np.linalg.solve(forecast.root, columns), full_matrices=False)
+    change = 8.0 / size[0] * columns @ direction[0]
+    noise = np.random.default_rng(7).multivariate_normal(np.zeros(len(change)), forecast.covariance, 100)
+    data, unknown = np.concatenate([noise + change, noise - change]), forecast.names.index("unknown")
+    assert np.mean(forecast.verdicts(data) == unknown) > 0.9
+    laws, forecast.laws = forecast.laws, []
+    assert np.mean(forecast.verdicts(data) == unknown) < 0.2
+    forecast.laws = laws

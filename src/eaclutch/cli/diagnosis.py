@@ -21,8 +21,9 @@ from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.files import read_json, write_json
 from eaclutch.inference import storage
-from eaclutch.inference.posterior import sampler_settings
+from eaclutch.inference.posterior import sampler_settings, with_code
 from eaclutch.inference.sampling import sample
+from eaclutch.provenance import code_hash
 from eaclutch.rig.campaign import open_campaign
 
 _FOLDER = click.Path(path_type=Path)
@@ -111,7 +112,8 @@ def diagnosis_full(
         name = "+".join(effects) or "base"
         checkpoints.append(output.with_suffix(f".{name}.checkpoint.npz"))
         fitted = fit_of(study, effects, told)
-        problem = problem_of(study, fitted)
+        code = code_hash(["diagnosis.full"], (*study.inputs.effects, *effects))
+        problem = with_code(problem_of(study, fitted), code)
         logger.info("diagnosis: %s, %d parameters", name, len(problem.priors))
         sampled = sample(
             problem, sampler, seed + number,

@@ -64,8 +64,8 @@ def _not_ruled_out(others: Sequence[Sequence[str]]) -> str:
 
 
 def _left(diagnosis: Mapping[str, Any]) -> bool:
-    """Whether the verdict's effects leave a gap: one of them alone fails the absolute check, or noise alone would have
-    left less open (then the closure's interval ends below 1)."""
+    """Whether the verdict's effects leave a gap: one of them alone fails the absolute check, or more is left than
+    noise leaves (less than MOST_OF_IT is closed and the closure's interval ends below 1)."""
     causes = {cause["effect"]: cause for cause in diagnosis.get("causes", [])}
     effects = diagnosis["verdict"]["effects"]
     if len(effects) == 1 and causes.get(effects[0], {}).get("adequate_after") is False:
