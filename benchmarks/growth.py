@@ -30,10 +30,12 @@ import numpy as np
 from measurement import record
 
 from eaclutch.cli.inference import capacity_data, measured_runs
+from eaclutch.config import load_config
 from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.files import write_csv
 from eaclutch.inference import storage
 from eaclutch.inference.parameters import with_priors
 from eaclutch.inference.posterior import StageInputs, run_stage, stage_problem
@@ -93,10 +95,14 @@ def stage_inputs(made: SimulatedTable, earlier: Sequence[Path]) -> StageInputs:
 
 
 def prediction(folder: Path, made: SimulatedTable) -> None:
-    """Every run, in the sample, without its condition and without its session."""
+    """Every run, in the sample, without its condition and its session, in as many jobs as the workflow makes."""
     inputs = stage_inputs(made, [folder / f"{name}.nc" for name in STAGES])
     model = ClutchModel(BENCH, BASE, force_multiplier_form="linear")
-    predict_campaign(model, inputs, measured_runs(made.runs, BENCH), seed=1, draws=100, parts=5)
+    runs = measured_runs(made.runs, BENCH)
+    jobs = -(-len(made.runs) // load_config([], {})["predict"]["runs_per_job"])
+    for job in range(jobs):
+        table = predict_campaign(model, inputs, runs, seed=1, draws=100, parts=5, job=(job, jobs))
+        write_csv(folder / f"predicted_{job}.csv", table)
 
 
 def study(made: SimulatedTable) -> Study:

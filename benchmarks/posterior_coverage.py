@@ -28,7 +28,7 @@ from eaclutch.inference import storage
 from eaclutch.inference.coverage import LEVELS
 from eaclutch.inference.parameters import with_priors
 from eaclutch.inference.posterior import StageInputs, run_stage, stage_problem
-from eaclutch.inference.predict_campaign import predict_campaign
+from eaclutch.inference.predict_campaign import curves_of, predict_campaign, ranks_of
 from eaclutch.inference.priors import Priors
 from eaclutch.inference.sampling import SamplerSettings
 from eaclutch.physics.effects import BASE
@@ -105,9 +105,10 @@ def fitted(number: int, seed: int, folder: Path) -> dict[str, Any]:
             if name in values:  # of the force file's shared parameters the last word counts
                 low, high = np.quantile(draws, [0.05, 0.95])
                 found["inside_90"][name] = bool(low <= values[name] <= high)
-    _, curves = predict_campaign(
+    table = predict_campaign(
         model, replace(inputs, earlier=files), measured_runs(made.runs, BENCH), seed=seed + number, draws=DRAWS, parts=5
     )  # fmt: skip
+    curves = curves_of(ranks_of([table]))
     found["curves"] = {
         split: {name: [curve["runs"], round(curve["covered"][NINETY] * curve["runs"])] for name, curve in rows.items()}
         for split, rows in curves.items()

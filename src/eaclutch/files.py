@@ -9,7 +9,7 @@ import json
 import math
 import os
 import tempfile
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import Any
@@ -102,16 +102,21 @@ def read_json(path: str | os.PathLike[str], kind: type[dict[str, Any]] | type[li
     return Document(path, content) if isinstance(content, dict) else content
 
 
-def write_csv(path: str | os.PathLike[str], table: pd.DataFrame) -> None:
-    """Write a table without its index: nine significant digits, true/false, empty cells for missing values."""
-    shown = table.copy()
-    for name in shown.columns:
-        if pd.api.types.is_bool_dtype(shown[name]):
-            shown[name] = shown[name].map({True: "true", False: "false"})
+def write_csv(path: str | os.PathLike[str], table: pd.DataFrame | Iterable[pd.DataFrame]) -> None:
+    """Write a table without its index: nine significant digits, true/false, empty cells for missing values.
+
+    Tables of the same columns, one after the other, make one file.
+    """
     with atomic(path) as temporary:
-        shown.to_csv(
-            temporary, index=False, float_format=f"%.{DIGITS}g", lineterminator="\n", compression=None
-        )
+        for number, part in enumerate([table] if isinstance(table, pd.DataFrame) else table):
+            shown = part.copy()
+            for name in shown.columns:
+                if pd.api.types.is_bool_dtype(shown[name]):
+                    shown[name] = shown[name].map({True: "true", False: "false"})
+            shown.to_csv(
+                temporary, mode="a" if number else "w", header=not number, index=False,
+                float_format=f"%.{DIGITS}g", lineterminator="\n", compression=None,
+            )  # fmt: skip
 
 
 def sha256(path: str | os.PathLike[str]) -> str:

@@ -55,8 +55,6 @@ def test_names_of_commands_are_unique() -> None:
             ".",
             "--output",
             "x.csv",
-            "--coverage",
-            "c",
             "--settings",
             "{",
         ],

@@ -9,10 +9,10 @@ import pandas as pd
 import pytest
 from click.testing import CliRunner
 
-from eaclutch.cli.inference import posterior, posterior_summary, predict
+from eaclutch.cli.inference import posterior, posterior_summary, predict, predictions
 from eaclutch.config import load_config
 from eaclutch.config.document import load_schema
-from eaclutch.inference import storage
+from eaclutch.inference import predict_campaign, storage
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import Bench
 from eaclutch.rig.table import conditions_from_runs
@@ -22,11 +22,10 @@ QUICK = {"walkers": 12, "check_every_steps": 100, "max_steps": 100, "stored_draw
 
 
 def settings(form="linear") -> str:
-    chosen = {"posterior": QUICK, "predict": {"draws": 20}, "model": {"force_multiplier_form": form}}
+    chosen = {"posterior": QUICK, "model": {"force_multiplier_form": form}}
     config = load_config([], chosen)
-    return json.dumps(
-        {key: config[key] for key in ("posterior", "model", "priors", "predict")} | {"diagnosis.folds": 2}
-    )
+    parts = {key: config[key] for key in ("posterior", "model", "priors")}
+    return json.dumps(parts | {"predict.draws": 20, "diagnosis.folds": 2})
 
 
 def made_runs() -> pd.DataFrame:
@@ -83,6 +82,16 @@ def stage(name, folder, results, seed=1, form="linear"):
     return json.loads((where / f"{name}.gate.json").read_text())
 
 
+def predicted(folder, results, jobs=1, form="linear", seed=1):
+    """predict/runs.csv and coverage.json of so many jobs, as text."""
+    parts = [results / f"{jobs}_{job}.csv" for job in range(jobs)]
+    for job, part in enumerate(parts):
+        call(predict, "--campaign", folder, "--results", results, "--settings", settings(form), "--seed", seed,
+             "--job", job, "--jobs", jobs, "--output", part)  # fmt: skip
+    call(predictions, "--output", results / "predicted.csv", "--coverage", results / "coverage.json", *parts)
+    return (results / "predicted.csv").read_text(), (results / "coverage.json").read_text()
+
+
 def test_from_nothing_but_logs_to_predictions(campaign):
     folder, results = campaign
     for name in ("dielectric", "load_cell", "contact"):
@@ -96,12 +105,10 @@ def test_from_nothing_but_logs_to_predictions(campaign):
     call(posterior_summary, "--output", summary, "--sensitivity", sensitivity, *files)
     jsonschema.validate(json.loads(summary.read_text()), load_schema("summary"))
     jsonschema.validate(json.loads(sensitivity.read_text()), load_schema("sensitivity"))
-    for part in ("first", "again"):
-        call(predict, "--campaign", folder, "--results", results, "--settings", settings(), "--seed", 2,
-             "--output", results / f"{part}.csv", "--coverage", results / f"{part}.json")  # fmt: skip
-    assert (results / "first.csv").read_bytes() == (results / "again.csv").read_bytes()
-    jsonschema.validate(json.loads((results / "first.json").read_text()), load_schema("coverage"))
-    table = pd.read_csv(results / "first.csv")
+    once = predicted(folder, results)
+    assert predicted(folder, results) == once
+    jsonschema.validate(json.loads(once[1]), load_schema("coverage"))
+    table = pd.read_csv(results / "predicted.csv")
     assert list(table.columns) == [
         "run",
         "observable",
@@ -131,10 +138,19 @@ def test_a_multiplier_for_every_voltage(campaign):
     assert {n for n in draws if n.startswith("force_multiplier")} == {
         "force_multiplier_200v", "force_multiplier_300v"
     }  # fmt: skip
-    call(predict, "--campaign", folder, "--results", results, "--settings", settings("per_voltage"),
-         "--output", results / "runs_predicted.csv", "--coverage", results / "coverage.json")  # fmt: skip
-    table = pd.read_csv(results / "runs_predicted.csv")
+    predicted(folder, results, form="per_voltage")
+    table = pd.read_csv(results / "predicted.csv")
     capacity = table[table["observable"] == "shear_capacity_n"]
     width = (capacity["q95"] - capacity["q05"]).groupby(capacity["held_out"]).mean()
     # a condition that is left out takes its voltage along, whose multiplier then rests on its prior
     assert width[True] > 1.5 * width[False]
+
+
+def test_predictions_do_not_depend_on_how_many_jobs_make_them(campaign, monkeypatch):
+    """Sixteen runs in blocks of three: one job, four, and more jobs than blocks."""
+    monkeypatch.setattr(predict_campaign, "TOGETHER", 3)
+    folder, results = campaign
+    once = predicted(folder, results)
+    assert len(pd.read_csv(results / "predicted.csv")["run"].unique()) == 16
+    assert predicted(folder, results, jobs=4) == once
+    assert predicted(folder, results, jobs=9) == once

@@ -25,7 +25,7 @@ from eaclutch.inference.posterior import (
     stage_problem,
     with_code,
 )
-from eaclutch.inference.predict_campaign import predict_campaign
+from eaclutch.inference.predict_campaign import curves_of, predict_campaign, ranks_of, shown
 from eaclutch.inference.prediction import GIVEN, Measured
 from eaclutch.inference.problem import STAGES
 from eaclutch.inference.stages.contact import ContactSettings
@@ -164,10 +164,13 @@ def posterior_summary(files: tuple[Path, ...], output: Path, sensitivity: Path |
 
 @click.command("predict")
 @_common
-@click.option("--output", type=_FILE, required=True, help="Predictions of every run to write (csv).")
-@click.option("--coverage", type=_FILE, required=True, help="Calibration curves to write (json).")
-def predict(campaign: Path, results: Path, settings: str, seed: int, output: Path, coverage: Path) -> None:
-    """Predict every run from joint posterior draws, in the sample and left out by condition and by session."""
+@click.option("--output", type=_FILE, required=True, help="Predictions of the job's runs to write (csv).")
+@click.option("--job", type=click.IntRange(min=0), default=0, show_default=True, help="Number of the job.")
+@click.option("--jobs", type=click.IntRange(min=1), default=1, show_default=True, help="How many there are.")
+def predict(
+    campaign: Path, results: Path, settings: str, seed: int, output: Path, job: int, jobs: int
+) -> None:
+    """Predict a job's share of the runs from joint posterior draws, in the sample and left out."""
     chosen = parse_settings(settings)
     bench = load_bench(campaign)
     runs = _runs(results)
@@ -181,13 +184,28 @@ def predict(campaign: Path, results: Path, settings: str, seed: int, output: Pat
         bench, with_priors(clutch.parameters, chosen.get("priors", {})), capacity=capacity_data(runs, bench),
         multiplier_form=form, model=arguments, earlier=files,
     )  # fmt: skip
-    draws = chosen.get("predict", {}).get("draws", 200)
+    draws = chosen.get("predict.draws", 200)
     parts = chosen.get("diagnosis.folds", 5)
-    table, curves = predict_campaign(
-        clutch, inputs, measured_runs(runs, bench), seed=seed, draws=draws, parts=parts
+    measured = measured_runs(runs, bench)
+    write_csv(
+        output,
+        predict_campaign(clutch, inputs, measured, seed=seed, draws=draws, parts=parts, job=(job, jobs)),
     )
-    write_csv(output, table)
-    write_json(coverage, curves)
+
+
+@click.command("predictions")
+@click.argument("parts", nargs=-1, required=True, type=_FILE)
+@click.option("--output", type=_FILE, required=True, help="Predictions of every run to write (csv).")
+@click.option("--coverage", type=_FILE, required=True, help="Calibration curves to write (json).")
+def predictions(parts: tuple[Path, ...], output: Path, coverage: Path) -> None:
+    """One table of all jobs' predictions, given in the order of the jobs, and their calibration curves."""
+    write_csv(output, (shown(_part(path)) for path in parts))
+    write_json(coverage, curves_of(ranks_of(_part(path) for path in parts)))
+
+
+def _part(path: Path) -> pd.DataFrame:
+    text = ("run", "observable", "status", "split")
+    return pd.read_csv(path, dtype=dict.fromkeys(text, "str"), keep_default_na=False, na_values=[""])
 
 
 def measured_runs(runs: pd.DataFrame, bench: Bench) -> Measured:
@@ -203,4 +221,4 @@ def measured_runs(runs: pd.DataFrame, bench: Bench) -> Measured:
     )
 
 
-COMMANDS = [posterior, posterior_summary, predict]
+COMMANDS = [posterior, posterior_summary, predict, predictions]

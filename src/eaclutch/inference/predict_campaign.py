@@ -1,9 +1,13 @@
-"""predict/runs.csv and coverage.json: every run predicted with and without itself in the fit."""
+"""predict/runs.csv and coverage.json: every run predicted with and without itself in the fit.
+
+Runs are predicted in blocks, of which only quantiles and ranks are kept, and parts of a campaign in jobs of their own;
+what comes out for a run does not depend on how many jobs there are.
+"""
 
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,15 +19,26 @@ from eaclutch.inference.draws import load_draws, with_prior_draws
 from eaclutch.inference.left_out import folds, refit_draws, unseen_voltages, without
 from eaclutch.inference.posterior import StageInputs, force_response
 from eaclutch.inference.prediction import Measured, Predicted, predict_runs, replicate
-from eaclutch.inference.repeatability import Scatter
 from eaclutch.inference.response import Response
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import FloatArray
 
 COLUMNS = ("run", "observable", "q05", "median", "q95", "measured", "measured_sd", "status", "held_out")
-TOGETHER = 500  # runs that are predicted at once
+SPLITS = ("in_sample", "left_out_condition", "left_out_session")
+ORDER = ["run", "observable", "held_out"]
+TOGETHER = 500  # runs that are predicted at once: a model's own arrays are many times what is kept
 NINETY = 8  # index of the 90 % level in the calibration curves
 logger = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True)
+class _Fold:
+    """Draws {name: (draws,)} of a fit, and which runs it predicts, (runs,) of true and false."""
+
+    split: str
+    number: int
+    joint: Mapping[str, FloatArray]
+    theirs: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -33,98 +48,122 @@ class _Campaign:
     model: ClutchModel
     inputs: StageInputs
     measured: Measured
-    scatters: Mapping[str, Scatter]
+    joint: Mapping[str, FloatArray]
     response: Response | None
+    seed: int
     draws: int
 
-    def predicted(
-        self, rows: np.ndarray, joint: Mapping[str, FloatArray], rng: np.random.Generator
-    ) -> Predicted:
-        """Runs ``rows`` at joint draws, some hundred at once: a model's own arrays are many times what is kept."""
-        found, errors = [], self.measured.errors()
-        for some in np.array_split(rows, max(1, -(-len(rows) // TOGETHER))):
-            part = self.measured.select(some)
-            prediction = predict_runs(self.model, part.conditions, joint, tuple(part.values))
-            own = {name: sd[some] for name, sd in errors.items()}
-            found.append(replicate(prediction, own, self.scatters, rng))
-        return Predicted(
-            {n: np.concatenate([f.replicated[n] for f in found], axis=1) for n in found[0].replicated},
-            {n: np.concatenate([f.status[n] for f in found]) for n in found[0].status},
-        )
+    def generator(self, split: str, *numbers: int) -> np.random.Generator:
+        return np.random.default_rng([self.seed, 11, SPLITS.index(split) + 1, *numbers])
 
-    def refit(self, rows: np.ndarray, rng: np.random.Generator) -> dict[str, FloatArray]:
-        """Force draws without the runs ``rows``; its prior where no run is left."""
+    def refit(self, gone: set[str], rng: np.random.Generator) -> dict[str, FloatArray]:
+        """Force draws without the runs ``gone``; its prior where no run is left."""
         data = self.inputs.capacity
         if data is None or self.response is None:
             return {}
-        gone = {self.measured.conditions.run[i] for i in rows}
         keep = np.array([run not in gone for run in data.conditions.run])
         form, known = self.inputs.multiplier_form, dict(self.inputs.parameters)
         return refit_draws(without(data, self.response, keep, form, known), self.draws, rng)
 
-    def split(
-        self, labels: tuple[str, ...], parts: int, joint: Mapping[str, FloatArray], rng: np.random.Generator
-    ) -> Predicted | None:
-        """Each run predicted from a fit without all runs of its label; None where there is one label only."""
+    def folds(self, split: str, labels: Sequence[str], parts: int) -> Iterator[_Fold]:
+        """Fits without all runs of some labels each; none where there is one label only."""
         if len(set(labels)) < 2:
-            return None
-        names = np.array(labels)
-        replicated = {name: np.full((self.draws, len(labels)), np.nan) for name in self.measured.values}
-        status = {name: np.full(len(labels), "", dtype=object) for name in self.measured.values}
-        for group in folds(labels, parts, rng):
-            rows = np.flatnonzero(np.isin(names, sorted(group)))
-            refit = self.refit(rows, rng)
+            return
+        names, runs = np.array(labels), np.array(self.measured.conditions.run)
+        for number, group in enumerate(folds(labels, parts, self.generator(split))):
+            theirs, rng = np.isin(names, sorted(group)), self.generator(split, number + 1)
+            refit = self.refit(set(runs[theirs]), rng)
             if refit and self.inputs.multiplier_form == "per_voltage":
-                refit |= unseen_voltages(joint, refit, self.draws, rng)
-            part = self.predicted(rows, {**joint, **refit}, rng)
-            for name in replicated:
-                replicated[name][:, rows] = part.replicated[name]
-                status[name][rows] = part.status[name]
-        return Predicted(replicated, status)
+                refit |= unseen_voltages(self.joint, refit, self.draws, rng)
+            yield _Fold(split, number, {**self.joint, **refit}, theirs)
 
 
 def predict_campaign(
-    model: ClutchModel, inputs: StageInputs, measured: Measured, *, seed: int, draws: int, parts: int
-) -> tuple[pd.DataFrame, dict[str, Any]]:
-    """Rows of predict/runs.csv and the calibration curves of three splits.
+    model: ClutchModel,
+    inputs: StageInputs,
+    measured: Measured,
+    *,
+    seed: int,
+    draws: int,
+    parts: int,
+    job: tuple[int, int] = (0, 1),
+) -> pd.DataFrame:
+    """What each run's predictions come to, by split: columns of predict/runs.csv with ``split`` and ``rank``.
 
-    ``inputs.earlier``: all stages' files; ``parts``: into how many the conditions (sessions) are split.
-    Every (run, observable) has two rows: from the posterior of all runs (held_out false) and from one that has not
-    seen the run's condition (held_out true). Left out by session stands in the curves only.
+    ``inputs.earlier``: all stages' files; ``parts``: into how many the conditions (sessions) are split; ``job``: number
+    and count, each takes its share of the runs by name.
+    A row a (split, run, observable): from the posterior of all runs, from one that has not seen the run's condition and
+    from one that has not seen its session (held_out true for both). ``rank``: share of predictions below the measured.
     """
     if not len(measured.conditions):
-        return pd.DataFrame(columns=list(COLUMNS)), {}
+        return pd.DataFrame(columns=[*COLUMNS, "split", "rank"])
     rng = np.random.default_rng([seed, 11])
     joint = with_prior_draws(load_draws(inputs.earlier, draws), inputs.parameters, draws, rng)
     response = None
     if inputs.capacity is not None and len(inputs.capacity.capacity):
         stages = [path for path in inputs.earlier if path.stem != "force"]
         response = force_response(replace(inputs, earlier=stages), rng)
-    campaign = _Campaign(model, inputs, measured, measured.scatters(), response, draws)
-    found = {
-        "in_sample": campaign.predicted(np.arange(len(measured.conditions)), joint, rng),
-        "left_out_condition": campaign.split(measured.conditions.condition, parts, joint, rng),
-        "left_out_session": campaign.split(measured.conditions.session, parts, joint, rng),
-    }
-    curves = coverage_document(
-        {
-            name: {o: ranks(part.replicated[o], measured.values[o]) for o in measured.values}
-            for name, part in found.items()
-            if part is not None
-        }
-    )
+    campaign = _Campaign(model, inputs, measured, joint, response, seed, draws)
+    whole = _Fold("in_sample", 0, joint, np.ones(len(measured.conditions), dtype=bool))
+    fits = [
+        whole,
+        *campaign.folds("left_out_condition", measured.conditions.condition, parts),
+        *campaign.folds("left_out_session", measured.conditions.session, parts),
+    ]
+    scatters, errors = measured.scatters(), measured.errors()
+    tables = []
+    for number, block in _blocks(measured.conditions.run, *job):
+        for fit in fits:
+            rows = block[fit.theirs[block]]
+            if not len(rows):
+                continue
+            part = measured.select(rows)
+            prediction = predict_runs(model, part.conditions, fit.joint, tuple(part.values))
+            own = {name: sd[rows] for name, sd in errors.items()}
+            noise = campaign.generator(fit.split, fit.number + 1, number + 1)
+            tables.append(_rows(part, replicate(prediction, own, scatters, noise), fit.split))
+    if not tables:
+        return pd.DataFrame(columns=[*COLUMNS, "split", "rank"])
+    return pd.concat(tables, ignore_index=True).sort_values([*ORDER, "split"], ignore_index=True)
+
+
+def curves_of(ranks_by_split: Mapping[str, Mapping[str, FloatArray]]) -> dict[str, Any]:
+    """coverage.json from ranks {split: {observable: (runs,)}}: the calibration curves of the splits."""
+    curves = coverage_document(ranks_by_split)
     for name, part in curves.items():
         if part["all"] is not None:
             logger.info(
                 "predict: %s, 90 %% intervals cover %.1f %%", name, 100 * part["all"]["covered"][NINETY]
             )
-    tables = [_rows(measured, part, name != "in_sample") for name, part in found.items()
-              if part is not None and name != "left_out_session"]  # fmt: skip
-    table = pd.concat(tables, ignore_index=True)
-    return table.sort_values(["run", "observable", "held_out"], ignore_index=True), curves
+    return curves
 
 
-def _rows(measured: Measured, predicted: Predicted, held_out: bool) -> pd.DataFrame:
+def ranks_of(tables: Iterable[pd.DataFrame]) -> dict[str, dict[str, FloatArray]]:
+    """Ranks {split: {observable: (runs,)}} of the tables that ``predict_campaign`` made, in the order of SPLITS."""
+    found: dict[str, dict[str, list[FloatArray]]] = {}
+    for table in tables:
+        for (split, name), rows in table.groupby(["split", "observable"], observed=True):
+            found.setdefault(str(split), {}).setdefault(str(name), []).append(rows["rank"].to_numpy(float))
+    return {
+        split: {name: np.concatenate(parts) for name, parts in sorted(found[split].items())}
+        for split in SPLITS
+        if split in found
+    }
+
+
+def shown(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows of predict/runs.csv; left out by session stands in the curves only."""
+    return table.loc[table["split"] != "left_out_session", list(COLUMNS)]
+
+
+def _blocks(names: Sequence[str], job: int, jobs: int) -> list[tuple[int, np.ndarray]]:
+    """A job's share of the blocks of TOGETHER runs in the order of their names: (number, rows)."""
+    order = np.argsort(np.array(names))
+    blocks = [order[i : i + TOGETHER] for i in range(0, len(order), TOGETHER)]
+    return [(int(i), blocks[i]) for i in np.array_split(np.arange(len(blocks)), jobs)[job]]
+
+
+def _rows(measured: Measured, predicted: Predicted, split: str) -> pd.DataFrame:
     """A row a (run, observable) that was measured or can be predicted; quantiles only where most draws have one."""
     tables = []
     for name, values in predicted.replicated.items():
@@ -143,8 +182,10 @@ def _rows(measured: Measured, predicted: Predicted, held_out: bool) -> pd.DataFr
                     "measured": measured.values[name],
                     "measured_sd": measured.sds[name],
                     "status": predicted.status[name],
-                    "held_out": held_out,
+                    "held_out": split != "in_sample",
+                    "split": split,
+                    "rank": ranks(values, measured.values[name]),
                 }
             )
         )
-    return pd.concat(tables, ignore_index=True)[list(COLUMNS)]
+    return pd.concat(tables, ignore_index=True)
