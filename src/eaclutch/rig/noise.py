@@ -68,7 +68,7 @@ def noise_of(force: FloatArray, step: float) -> Noise | None:
     if len(force) < LEAST:
         return None
     width = int(max(3, min(round(TREND_WINDOW / step), len(force) // 3)))
-    trend = uniform_filter1d(uniform_filter1d(force, width, mode="nearest"), width, mode="nearest")
+    trend = uniform_filter1d(uniform_filter1d(force, width), width)
     residual = force - trend
     # first differences see the white part only; the median is deaf to jumps
     differences = np.diff(force)

@@ -28,7 +28,7 @@ def find_zero(time: FloatArray, force: FloatArray, on: float) -> Estimate:
     noise = noise_of(before[-round(0.5 / step) :], step)
     if noise is None or len(before) < round(1.0 / step) or not np.isfinite(before).all():
         return NO_ZERO
-    smooth = uniform_filter1d(before, width, mode="nearest")
+    smooth = uniform_filter1d(before, width)
     friction = float(np.median(before[-round(0.5 / step) :]))
     sd = max(noise.white_sd / np.sqrt(width), float(noise.residual.std()) / 2.0)
     shortest = round(SHORTEST / step)

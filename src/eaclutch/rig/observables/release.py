@@ -19,6 +19,7 @@ LEAST_LEVEL = 1.5  # standard deviations of the smoothed force between a level a
 DRAWS = 64
 CLEAR = 0.1  # of the way: a level is passed for good when the force is that far below
 BRIDGE = 0.04  # of the time under the pick-up: sd of a passing there, which the line across only guesses
+EVEN = 1.08  # the voltage falls evenly anywhere between two samples: 0.99 sd of that hold 57 %, of this 62 % of the times
 SHARES = (0.1, 0.5, 0.9)
 
 
@@ -64,10 +65,10 @@ def release_times(run: RunView) -> dict[float, Estimate]:
             continue
         # what smoothing and noise do once more to the smoothed force, they have done to it before
         value = max(0.0, 2.0 * first - float(np.mean(times)))
-        bridge, by_off = 0.0, 1.0
+        bridge, by_off = 0.0, EVEN
         if under[0] < value < under[1]:
             bridge = BRIDGE * (under[1] - under[0])
-            by_off = _moved_by_off(time, smooth[0], start.value, under, value)
+            by_off *= _moved_by_off(time, smooth[0], start.value, under, value)
         found[share] = Estimate(value, math.hypot(float(np.std(times)), by_off * events.off_sd, bridge))
     return found
 

@@ -16,7 +16,7 @@ from eaclutch.rig.run_view import RunView
 SIDE = 0.0015  # s of mean force on either side of a slip
 DURATION = 0.002  # s: a slip lasts about half a period of the load cell (0.8 ms)
 THRESHOLD = 7.0  # standard deviations of the difference of two such means
-TOP = 0.2  # of the way from the slip that one half shows to the largest of all: where the truth mostly lies
+TOP = 0.1  # of the way from the slip that one half shows to the largest of all: where the truth mostly lies
 CLEAR = 0.001  # s kept clear of voltage on and off
 
 
