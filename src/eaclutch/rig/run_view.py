@@ -22,6 +22,7 @@ from eaclutch.rig.zero import find_zero
 T = TypeVar("T")
 BLOCK = 0.1  # s of which the noise tells the mean's uncertainty; longer means are of independent blocks
 SETTLING = 0.15  # s after the voltage falls, until which the force may still ring
+SLIP_SAMPLES = 7  # over which the force before the voltage falls is smoothed: fewer than a slip lasts
 BEFORE_ON = 0.02  # s, one period of the stage's full steps (50 Hz)
 # Samples after an edge of the voltage in which the drive is seen in the force (the ADC's filter delays it by two).
 PICK_UP_ON, PICK_UP_EDGE = (1.2, 4.8), (1.2, 3.8)
@@ -204,11 +205,13 @@ class RunView:
         window = self.window(self.force_off - 0.003, self.force_off, least=10)
         force = self.force[window]
         # a slip within the window makes the median jump between two levels: noise goes onto the smoothed force
-        smooth = uniform_filter1d(force, 7, mode="nearest")
+        smooth = uniform_filter1d(force, SLIP_SAMPLES)
         drawn = np.median(smooth + self.noise_moving.windows(len(force), 160), axis=1)
         # noise draws the median of a skew window towards its mean, by about as much as it does once more
         drawn_away = float(np.mean(drawn)) - float(np.median(smooth))
-        sd = math.hypot(float(np.std(drawn)), drawn_away, self.drive_offset_sd)
+        # the smoothed force keeps a share of the noise, which spreads the window and widens its medians as much
+        spread = float(np.std(drawn)) / math.sqrt(1.0 + 1.0 / SLIP_SAMPLES)
+        sd = math.hypot(spread, drawn_away, self.drive_offset_sd)
         return Estimate(float(np.median(force)), sd)
 
     @cached_property
