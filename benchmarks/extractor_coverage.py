@@ -22,6 +22,9 @@ BENCH = Bench(
     "published",
     substrates={"brass": Substrate(8338.5, 0.000726, 0.1, {2e-3: 2e-3, 3e-3: 3e-3, 6e-3: 3e-3})},
 )
+# Where base and strip rub as they should the tip stops before it swings: a free swing wants a light hand.
+LOOSE = {"base_static": 0.03, "base_kinetic": 0.02}
+LIGHT = (0.05, 0.1)  # N
 
 
 def main() -> None:
@@ -30,6 +33,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0)
     chosen = parser.parse_args()
     found = summary(compare(chosen.runs, BENCH, BenchNoise(), np.random.default_rng(chosen.seed)))
+    swinging = compare(chosen.runs, BENCH, BenchNoise(), np.random.default_rng(chosen.seed + 1), LOOSE, LIGHT)
+    found |= summary(swinging[swinging["observable"].str.startswith("ringdown")])
     print(pd.DataFrame(found).T.to_string(float_format="%.4g"))
     command = f"python benchmarks/extractor_coverage.py --runs {chosen.runs} --seed {chosen.seed}"
     record("extractor_coverage", command, {"runs": chosen.runs, "observables": found})

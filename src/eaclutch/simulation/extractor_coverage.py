@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime, timedelta
 
@@ -86,20 +87,29 @@ def truth_of(clean: Recording, on: float, off: float, stage_stop: float, noise_s
     return found
 
 
-def compare(count: int, bench: Bench, noise: BenchNoise, rng: np.random.Generator) -> pd.DataFrame:
+def compare(
+    count: int,
+    bench: Bench,
+    noise: BenchNoise,
+    rng: np.random.Generator,
+    parameters: Mapping[str, float] | None = None,
+    preloads: Sequence[float] = PRELOADS,
+) -> pd.DataFrame:
     """A row a run and observable: run, observable, truth, value, sd. ``count`` runs over voltages, frequencies,
-    preloads and the bench's widths; those without a clean release or rise give no truth for it."""
+    ``preloads`` [N] and the bench's widths; those without a clean release or rise give no truth for it.
+    ``parameters``: of the model, where they are not its defaults."""
     model, timing = ClutchModel(bench), RecordTiming()
     widths = sorted({width for substrate in bench.substrates.values() for width in substrate.thickness})
     substrate = next(iter(bench.substrates))
     values = {name: float(parameter.default) for name, parameter in model.parameters.items()}
+    values |= parameters or {}
     planned = tuple(
         PlannedRun(
             FIRST_RUN + timedelta(minutes=i),
             float(rng.choice(VOLTAGES)),
             float(rng.choice(FREQUENCIES)),
             float(rng.choice(widths)),
-            float(rng.choice(PRELOADS)),
+            float(rng.choice(preloads)),
             substrate,
         )
         for i in range(count)

@@ -19,7 +19,7 @@ LEAST_LEVEL = 1.5  # standard deviations of the smoothed force between a level a
 DRAWS = 64
 CLEAR = 0.1  # of the way: a level is passed for good when the force is that far below
 BRIDGE = 0.04  # of the time under the pick-up: sd of a passing there, which the line across only guesses
-EVEN = 1.08  # the voltage falls evenly anywhere between two samples: 0.99 sd of that hold 57 %, of this 62 % of the times
+EVEN = 1.08  # voltage falls evenly anywhere between two samples: 0.99 sd of that hold 57 %, of this 62 % of the times
 SHARES = (0.1, 0.5, 0.9)
 
 

@@ -15,7 +15,9 @@ def swing(run: RunView) -> Swing:
     """The damped swing after release. Raises Unusable (``no_swing``)."""
     off = run.force_off
     window = run.window(off + START, off + END, least=60)
-    found = fit_swing(run.time[window] - off, run.force[window], run.noise_rest.white_sd)
+    noise = run.noise_rest
+    covariance = noise.autocovariance(window.stop - window.start)
+    found = fit_swing(run.time[window] - off, run.force[window], noise.white_sd, covariance)
     if found is None:
         raise Unusable("no_swing")
     return found
