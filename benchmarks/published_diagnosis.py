@@ -32,7 +32,8 @@ from eaclutch.diagnosis.study import DiagnosisInputs, Study
 from eaclutch.files import read_json, write_json
 
 WITHHELD = ("dielectric_relaxation", "load_cell_dynamics", "air_gap", "surface_roughness")
-CLOSING = ("series_compliance", "substrate_inertia")  # the full model's verdict
+CLOSING = ("series_compliance", "substrate_inertia")  # closes most of the full model's gap, session by session
+NAMED = ("series_compliance", "trigger_latency")  # the full model's verdict, put into the model: what then?
 PAIRS = 6
 
 
@@ -46,6 +47,7 @@ def main() -> None:
     chosen = parser.parse_args()
     inputs = read_inputs(chosen.results, load_bench(chosen.campaign), {})
     checks: dict[str, DiagnosisInputs] = {"full": inputs}
+    checks[f"again with {' and '.join(NAMED)}"] = replace(inputs, effects=(*inputs.effects, *NAMED))
     for session in sorted(set(inputs.table["session"].astype(str))):
         kept = inputs.table[inputs.table["session"].astype(str) != session]
         checks[f"without session {session}"] = replace(inputs, table=kept.reset_index(drop=True))
