@@ -8,6 +8,7 @@ def prediction_jobs():
 
 rule predict:
     input:
+        capture=capture_file,  # a job elsewhere counts the captured runs itself
         runs=results("runs.csv"),
         draws=expand(results("posterior/{stage}.nc"), stage=STAGES),
         summary=results("posterior/summary.json"),
