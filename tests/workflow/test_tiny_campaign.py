@@ -167,6 +167,14 @@ def test_an_edit_in_the_library_reruns_only_what_rests_on_it(
     assert not kept & set(found)
 
 
+@pytest.mark.parametrize("job", ["observables:batch=0", "predict:batch=0"])
+def test_a_job_on_another_machine_finds_its_inputs(finished: Path, quick: Path, job: str) -> None:
+    """As an executor calls it: this rule alone is known there, and what a checkpoint tells it must be an input."""
+    alone = ("--target-jobs", job, "--allowed-rules", job.split(":")[0], "--dry-run")
+    done = call_snakemake(finished, "--configfile", str(quick), *alone)
+    assert done.returncode == 0, done.stderr[-3000:]
+
+
 def test_one_core_gives_the_same_numbers_as_two(finished: Path, quick: Path, tmp_path: Path) -> None:
     done = call_snakemake(tmp_path, "--configfile", str(quick), cores=1)
     assert done.returncode == 0, done.stderr[-6000:]
