@@ -32,8 +32,9 @@ from eaclutch.diagnosis.study import DiagnosisInputs, Study
 from eaclutch.files import read_json, write_json
 
 WITHHELD = ("dielectric_relaxation", "load_cell_dynamics", "air_gap", "surface_roughness")
-CLOSING = ("series_compliance", "substrate_inertia")  # closes most of the full model's gap, session by session
-NAMED = ("series_compliance", "trigger_latency")  # the full model's verdict, put into the model: what then?
+# What closes most of the full model's gap session by session, and its verdict: put into the model, what then?
+CLOSING = ("series_compliance", "substrate_inertia")
+NAMED = ("series_compliance", "trigger_latency")
 PAIRS = 6
 
 
