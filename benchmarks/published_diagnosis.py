@@ -32,9 +32,7 @@ from eaclutch.diagnosis.study import DiagnosisInputs, Study
 from eaclutch.files import read_json, write_json
 
 WITHHELD = ("dielectric_relaxation", "load_cell_dynamics", "air_gap", "surface_roughness")
-# What closes most of the full model's gap session by session, and its verdict: put into the model, what then?
-CLOSING = ("series_compliance", "substrate_inertia")
-NAMED = ("series_compliance", "trigger_latency")
+CLOSING = ("series_compliance", "substrate_inertia")  # the full model's verdict
 PAIRS = 6
 
 
@@ -48,7 +46,8 @@ def main() -> None:
     chosen = parser.parse_args()
     inputs = read_inputs(chosen.results, load_bench(chosen.campaign), {})
     checks: dict[str, DiagnosisInputs] = {"full": inputs}
-    checks[f"again with {' and '.join(NAMED)}"] = replace(inputs, effects=(*inputs.effects, *NAMED))
+    # what is named goes into the model: what then?
+    checks[f"again with {' and '.join(CLOSING)}"] = replace(inputs, effects=(*inputs.effects, *CLOSING))
     for session in sorted(set(inputs.table["session"].astype(str))):
         kept = inputs.table[inputs.table["session"].astype(str) != session]
         checks[f"without session {session}"] = replace(inputs, table=kept.reset_index(drop=True))
