@@ -18,6 +18,8 @@ run: $(STAMP)  ## the default campaign, from raw logs to results/fixture/report.
 published: $(STAMP)  ## the published recordings (their folder: config/published.yaml)
 	$(BIN)/snakemake --cores $(CORES) --configfile config/published.yaml
 
+# Beside other work the threads of a linear algebra library wait for one another: one does as well.
+test: export OPENBLAS_NUM_THREADS = 1
 test: lint types  ## all checks: linter, formatter, types, tests
 	$(BIN)/python -m pytest
 
