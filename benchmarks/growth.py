@@ -187,6 +187,7 @@ def main() -> None:
     parser.add_argument("--runs", type=int, nargs="+", default=[60, 600, 6000])
     parser.add_argument("--candidates", type=int, nargs="+", default=[4, 16, 64])
     parser.add_argument("--picture", type=Path, help="file to draw to")
+    parser.add_argument("--only", help="a stage, after the posteriors: recorded as growth_<stage>.json")
     chosen = parser.parse_args()
     by_runs: dict[str, dict[int, dict[str, float]]] = {}
     by_candidates: dict[int, dict[str, float]] = {}
@@ -203,22 +204,25 @@ def main() -> None:
                 "16 candidates": partial(candidate, folder, made, 16),
                 "verdict": partial(verdict, folder, made),
             }
+            if chosen.only:
+                jobs = {stage: work for stage, work in jobs.items() if stage in (*STAGES, chosen.only)}
             for stage, work in jobs.items():
                 by_runs.setdefault(stage, {})[runs] = measured(work)
                 print(runs, stage, by_runs[stage][runs], flush=True)
         made = campaign(chosen.runs[0])
-        for count in chosen.candidates:
+        for count in () if chosen.only else chosen.candidates:
             by_candidates[count] = measured(partial(candidate, Path(name), made, count))
             print(count, "candidates", by_candidates[count], flush=True)
     exponents = {stage: exponents_of(rows) for stage, rows in by_runs.items()}
-    growth = exponents_of(by_candidates)
+    growth = exponents_of(by_candidates) if by_candidates else []
     print("exponents over runs", exponents)
     print("exponents over candidates", growth)
     if chosen.picture:
         draw(by_runs, chosen.picture)
     sizes, counts = (" ".join(map(str, numbers)) for numbers in (chosen.runs, chosen.candidates))
-    command = f"python benchmarks/growth.py --runs {sizes} --candidates {counts}"
-    record("growth", command, {
+    command = f"python benchmarks/growth.py --runs {sizes} "
+    command += f"--only {chosen.only}" if chosen.only else f"--candidates {counts}"
+    record(f"growth_{chosen.only}" if chosen.only else "growth", command, {
         "by_runs": by_runs, "by_candidates": by_candidates,
         "exponents_over_runs": exponents, "exponents_over_candidates": growth,
     })  # fmt: skip
