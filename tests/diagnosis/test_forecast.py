@@ -62,7 +62,7 @@ def test_limits_are_where_the_right_verdict_becomes_likely(document):
     assert limit["parameters"]["compliance"] > 0
 
 
-def test_what_changes_with_frequency_is_unknown_to_the_forecast_too(forecast):
+def test_what_changes_with_frequency_is_unknown_to_the_forecast_too(forecast, monkeypatch):
     """A load cell that is softer or stiffer at high frequency, eight sd in all: nameless laws always see it, smooth
     terms over the channels do not."""
     study = forecast.study
@@ -76,6 +76,5 @@ def test_what_changes_with_frequency_is_unknown_to_the_forecast_too(forecast):
     noise = np.random.default_rng(7).multivariate_normal(np.zeros(len(change)), forecast.covariance, 100)
     data, unknown = np.concatenate([noise + change, noise - change]), forecast.names.index("unknown")
     assert np.mean(forecast.verdicts(data) == unknown) > 0.9
-    laws, forecast.laws = forecast.laws, []
+    monkeypatch.setattr(forecast, "laws", [])
     assert np.mean(forecast.verdicts(data) == unknown) < 0.2
-    forecast.laws = laws

@@ -14,7 +14,7 @@ from eaclutch.config import load_config
 from eaclutch.config.document import load_schema
 from eaclutch.inference import predict_campaign, storage
 from eaclutch.physics.model import ClutchModel
-from eaclutch.records import Bench
+from eaclutch.records import Bench, InputError
 from eaclutch.rig.table import conditions_from_runs
 
 jsonschema = pytest.importorskip("jsonschema")
@@ -154,3 +154,17 @@ def test_predictions_do_not_depend_on_how_many_jobs_make_them(campaign, monkeypa
     assert len(pd.read_csv(results / "predicted.csv")["run"].unique()) == 16
     assert predicted(folder, results, jobs=4) == once
     assert predicted(folder, results, jobs=9) == once
+    beyond = [
+        "--campaign",
+        folder,
+        "--results",
+        results,
+        "--job",
+        2,
+        "--jobs",
+        2,
+        "--output",
+        results / "no.csv",
+    ]
+    refused = CliRunner().invoke(predict, [str(a) for a in beyond])
+    assert isinstance(refused.exception, InputError) and "0 to 1" in str(refused.exception)

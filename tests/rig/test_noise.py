@@ -1,4 +1,4 @@
-"""Uncertainties of linear estimators from a run's own noise: white noise keeps its share, slow noise is not hidden."""
+"""Uncertainties from a run's own noise: white noise keeps its share, slow noise and vibration lines are not hidden."""
 
 from types import SimpleNamespace
 
@@ -7,8 +7,10 @@ import pytest
 from scipy.signal import lfilter
 
 from eaclutch.rig.estimate import Estimate
-from eaclutch.rig.noise import Noise
+from eaclutch.rig.noise import Noise, noise_of
 from eaclutch.rig.observables import hold
+from eaclutch.rig.swing import fit_swing
+from eaclutch.rig.zero import find_zero
 
 SAMPLES, WINDOW = 3200, 640
 WEIGHTS = np.full(WINDOW, 1.0 / WINDOW)
@@ -51,3 +53,38 @@ def test_what_the_drive_adds_to_level_and_peak_alike_is_counted_once(monkeypatch
     a, b = (value + drive + own * rng.standard_normal(40_000) for value in (level, top))
     c, d, e = (value + other * rng.standard_normal(40_000) for value in (before, friction, final))
     assert claimed == pytest.approx(np.std((a - e) / (b - c + d - e)), rel=0.03)
+
+
+def test_noise_is_the_same_at_the_ends_of_a_stretch():
+    """The trend must not hang on the one noisy sample at its end: means of 10 ms there scatter as anywhere else."""
+    rng = np.random.default_rng(6)
+    residuals = np.array([noise_of(row, 78.125e-6).residual for row in rng.standard_normal((100, 12_800))])
+    first, last = residuals[:, :128].mean(axis=1), residuals[:, -128:].mean(axis=1)
+    assert max(np.std(first), np.std(last)) < 1.5 / np.sqrt(128)
+
+
+def test_a_zero_is_found_whatever_its_first_sample_reads():
+    """Half a second without contact, 60 mN of friction after it: five noise sd, in each of a hundred runs."""
+    rng, step = np.random.default_rng(7), 78.125e-6
+    time = step * np.arange(25_600)
+    clean = np.where(time < 0.5, 0.02, 0.08)
+    zeros = [find_zero(time, clean + 0.0114 * rng.standard_normal(len(time)), 2.0) for _ in range(100)]
+    assert not [zero for zero in zeros if zero.reason]
+    assert np.std([(zero.value - 0.02) / zero.sd for zero in zeros]) == pytest.approx(1.0, abs=0.25)
+
+
+def test_a_vibration_line_beside_the_swing_is_part_of_its_uncertainty():
+    """A swing at 310 Hz over a line at 314 Hz whose phase is not known, 60 times: the sd that knows the line covers."""
+    rng, step, white, line = np.random.default_rng(8), 78.125e-6, 0.002, 0.004
+    time = step * np.arange(333)
+    swing = 0.1 * np.exp(-0.01 * 2 * np.pi * 310 * time) * np.cos(2 * np.pi * 310 * time)
+    lags = white**2 * (np.arange(333) == 0) + line**2 / 2 * np.cos(2 * np.pi * 314 * time)
+    pulls = {"white": [], "known": []}
+    for _ in range(60):
+        vibration = line * np.cos(2 * np.pi * 314 * time + rng.uniform(0, 2 * np.pi))
+        force = swing + vibration + white * rng.standard_normal(333)
+        for name, autocovariance in (("white", None), ("known", lags)):
+            found = fit_swing(time, force, white, autocovariance)
+            pulls[name].append((found.frequency - 310.0) / found.frequency_sd)
+    assert np.std(pulls["white"]) > 1.5
+    assert 0.6 < np.std(pulls["known"]) < 1.3

@@ -36,7 +36,7 @@ from eaclutch.physics.effects import BASE
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.prediction import OBSERVABLES
 from eaclutch.provenance import code_hash
-from eaclutch.records import Bench, BurstFeatures
+from eaclutch.records import Bench, BurstFeatures, InputError
 from eaclutch.rig.campaign import open_campaign
 from eaclutch.rig.capacitance import read_capacitance
 from eaclutch.rig.spectra import read_spectra
@@ -171,6 +171,8 @@ def predict(
     campaign: Path, results: Path, settings: str, seed: int, output: Path, job: int, jobs: int
 ) -> None:
     """Predict a job's share of the runs from joint posterior draws, in the sample and left out."""
+    if job >= jobs:
+        raise InputError(f"--job {job}", f"is none of {jobs}", f"give 0 to {jobs - 1}")
     chosen = parse_settings(settings)
     bench = load_bench(campaign)
     runs = _runs(results)
@@ -199,6 +201,7 @@ def predict(
 @click.option("--coverage", type=_FILE, required=True, help="Calibration curves to write (json).")
 def predictions(parts: tuple[Path, ...], output: Path, coverage: Path) -> None:
     """One table of all jobs' predictions, given in the order of the jobs, and their calibration curves."""
+    # read twice: no more than one part is ever in memory
     write_csv(output, (shown(_part(path)) for path in parts))
     write_json(coverage, curves_of(ranks_of(_part(path) for path in parts)))
 

@@ -65,7 +65,7 @@ class _Campaign:
         form, known = self.inputs.multiplier_form, dict(self.inputs.parameters)
         return refit_draws(without(data, self.response, keep, form, known), self.draws, rng)
 
-    def folds(self, split: str, labels: Sequence[str], parts: int) -> Iterator[_Fold]:
+    def left_out(self, split: str, labels: Sequence[str], parts: int) -> Iterator[_Fold]:
         """Fits without all runs of some labels each; none where there is one label only."""
         if len(set(labels)) < 2:
             return
@@ -107,8 +107,8 @@ def predict_campaign(
     whole = _Fold("in_sample", 0, joint, np.ones(len(measured.conditions), dtype=bool))
     fits = [
         whole,
-        *campaign.folds("left_out_condition", measured.conditions.condition, parts),
-        *campaign.folds("left_out_session", measured.conditions.session, parts),
+        *campaign.left_out("left_out_condition", measured.conditions.condition, parts),
+        *campaign.left_out("left_out_session", measured.conditions.session, parts),
     ]
     scatters, errors = measured.scatters(), measured.errors()
     tables = []

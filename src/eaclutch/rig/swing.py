@@ -31,12 +31,12 @@ class Swing:
 
 
 def fit_swing(
-    time: FloatArray, force: FloatArray, noise_sd: float, covariance: FloatArray | None = None
+    time: FloatArray, force: FloatArray, noise_sd: float, autocovariance: FloatArray | None = None
 ) -> Swing | None:
     """Least squares of level + line + exp(-zeta w t) (a cos(w_d t) + b sin(w_d t)); None where none stands out.
 
-    ``time`` [s] and ``force`` [N] have shape (samples,), ``noise_sd`` [N] is one sample's; ``covariance`` [N^2] of the
-    noise of samples 0, 1, ... apart, (samples,), where it is not white: a vibration line near the swing moves its
+    ``time`` [s] and ``force`` [N] have shape (samples,), ``noise_sd`` [N] is one sample's; ``autocovariance`` [N^2]
+    of noise 0, 1, ... samples apart, (samples,), where it is not white: a vibration line near the swing moves its
     frequency more than white noise does. The frequency is the undamped one, w / 2 pi with w_d = w sqrt(1 - zeta^2).
     """
     t = time - time[0]
@@ -66,14 +66,13 @@ def fit_swing(
     left = float(np.sqrt(np.mean(fit.fun**2) * len(t) / (len(t) - 6)))
     slopes = np.asarray(fit.jac)
     inverse = np.linalg.pinv(slopes.T @ slopes)
-    found = inverse * max(1.0, left) ** 2
-    if covariance is not None:
-        found = np.maximum(
-            found, inverse @ slopes.T @ (toeplitz(covariance) @ slopes) @ inverse / noise_sd**2
-        )
+    variance = np.diag(inverse) * max(1.0, left) ** 2
+    if autocovariance is not None:
+        lever = slopes @ inverse / noise_sd
+        variance = np.maximum(variance, np.diag(lever.T @ toeplitz(autocovariance) @ lever))
     amplitude_sd = noise_sd * float(np.sqrt(np.linalg.pinv(basis.T @ basis)[2, 2]))
     unclear = amplitude < CLEAR * amplitude_sd * max(1.0, left) or left > STRAY
     if unclear or zeta > OVER_AT_ONCE or not BAND[0] <= w / (2 * np.pi) <= BAND[1]:
         return None
-    sd = np.sqrt(np.diag(found))
+    sd = np.sqrt(variance)
     return Swing(w / (2 * np.pi), sd[0] / (2 * np.pi), float(zeta), float(sd[1]), amplitude)

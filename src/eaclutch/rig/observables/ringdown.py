@@ -16,8 +16,8 @@ def swing(run: RunView) -> Swing:
     off = run.force_off
     window = run.window(off + START, off + END, least=60)
     noise = run.noise_rest
-    covariance = noise.autocovariance(window.stop - window.start)
-    found = fit_swing(run.time[window] - off, run.force[window], noise.white_sd, covariance)
+    together = noise.autocovariance(window.stop - window.start)
+    found = fit_swing(run.time[window] - off, run.force[window], noise.white_sd, together)
     if found is None:
         raise Unusable("no_swing")
     return found
