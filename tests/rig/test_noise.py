@@ -88,3 +88,16 @@ def test_a_vibration_line_beside_the_swing_is_part_of_its_uncertainty():
             pulls[name].append((found.frequency - 310.0) / found.frequency_sd)
     assert np.std(pulls["white"]) > 1.5
     assert 0.6 < np.std(pulls["known"]) < 1.3
+
+
+def test_a_swing_that_friction_stops_keeps_to_its_uncertainty():
+    """A straight envelope, not an exponential one, 0.3 N, 150 times: found apart by noise as far as the sd says."""
+    rng, step, white = np.random.default_rng(9), 78.125e-6, 0.01
+    time = step * np.arange(333)
+    swing = np.clip(0.3 - 80.0 * time, 0.0, None) * np.cos(2 * np.pi * 630 * time)
+    truth = fit_swing(time, swing, white)
+    lags = white**2 * (np.arange(333) == 0)
+    found = [fit_swing(time, swing + white * rng.standard_normal(333), white, lags) for _ in range(150)]
+    for name in ("frequency", "damping_ratio"):
+        pulls = [(getattr(one, name) - getattr(truth, name)) / getattr(one, f"{name}_sd") for one in found]
+        assert 0.85 < np.std(pulls) < 1.15

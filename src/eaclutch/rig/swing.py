@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.linalg import toeplitz
-from scipy.optimize import least_squares
+from scipy.optimize import approx_fprime, least_squares
 
 from eaclutch.records import FloatArray
 
@@ -64,15 +64,40 @@ def fit_swing(
     weights = np.linalg.lstsq(basis, force, rcond=None)[0]
     amplitude = float(np.hypot(weights[2], weights[3]))
     left = float(np.sqrt(np.mean(fit.fun**2) * len(t) / (len(t) - 6)))
-    slopes = np.asarray(fit.jac)
-    inverse = np.linalg.pinv(slopes.T @ slopes)
-    variance = np.diag(inverse) * max(1.0, left) ** 2
-    if autocovariance is not None:
-        lever = slopes @ inverse / noise_sd
-        variance = np.maximum(variance, np.diag(lever.T @ toeplitz(autocovariance) @ lever))
+    lever = _levers(t, force, np.array([w, zeta, *weights]))
+    if autocovariance is None:
+        variance = np.sum(lever**2, axis=0) * (noise_sd * max(1.0, left)) ** 2
+    else:
+        variance = np.diag(lever.T @ toeplitz(autocovariance) @ lever)
     amplitude_sd = noise_sd * float(np.sqrt(np.linalg.pinv(basis.T @ basis)[2, 2]))
     unclear = amplitude < CLEAR * amplitude_sd * max(1.0, left) or left > STRAY
     if unclear or zeta > OVER_AT_ONCE or not BAND[0] <= w / (2 * np.pi) <= BAND[1]:
         return None
     sd = np.sqrt(variance)
     return Swing(w / (2 * np.pi), sd[0] / (2 * np.pi), float(zeta), float(sd[1]), amplitude)
+
+
+def _levers(t: FloatArray, force: FloatArray, found: FloatArray) -> FloatArray:
+    """How frequency [rad/s] and damping ratio of a fit move with each sample's force [1/N], shape (samples, 2).
+
+    ``found`` is w, zeta, level, line, a, b. Friction ends a swing otherwise than exponentially, and where a fit leaves
+    that much the second derivatives of the swing count beside the slopes: the whole Hessian of the squares is
+    inverted, not the slopes' product.
+    """
+
+    def slopes_and_left(p: FloatArray) -> tuple[FloatArray, FloatArray]:
+        w, zeta, level, line, a, b = p
+        decay, q = np.exp(-zeta * w * t), np.sqrt(max(1e-9, 1.0 - zeta**2))
+        cos, sin = decay * np.cos(q * w * t), decay * np.sin(q * w * t)
+        swing, turned = a * cos + b * sin, b * cos - a * sin
+        by_w, by_zeta = t * (q * turned - zeta * swing), -w * t * (swing + zeta / q * turned)
+        slopes = np.stack([by_w, by_zeta, np.ones_like(t), t / t[-1] - 0.5, cos, sin], axis=1)
+        return slopes, level + line * slopes[:, 3] + swing - force
+
+    def gradient(p: FloatArray) -> FloatArray:
+        slopes, left = slopes_and_left(p)
+        return np.asarray(slopes.T @ left)
+
+    steps = 1e-6 * np.array([found[0], 1.0, *[max(1e-6, float(np.ptp(force)))] * 4])
+    hessian = np.asarray(approx_fprime(found, gradient, steps))
+    return np.asarray(slopes_and_left(found)[0] @ np.linalg.pinv(0.5 * (hessian + hessian.T)))[:, :2]
