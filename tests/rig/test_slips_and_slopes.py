@@ -9,32 +9,38 @@ import numpy as np
 import pytest
 
 from eaclutch.records import Bench
-from eaclutch.rig.estimate import Unusable
+from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.extract import extract
+from eaclutch.rig.noise import Noise
+from eaclutch.rig.observables import OBSERVABLES
 from eaclutch.rig.observables.ramp import slope
-from eaclutch.rig.observables.slip import rivals_spread
 from rig.made_run import Made, make_run
 
-DROP_NOISE = 0.004  # N
+
+def _two_slips(first: float, second: float) -> Estimate:
+    """Slips of these sizes [N] at forces of 1 N and 0.5 N, every other sample seeing the first 4 mN larger."""
+    force = np.interp(np.arange(4000), [2000, 3000], [1.0, 0.5 + first])
+    force[1000:] -= first + 0.004 * np.tile([1, -1], 1500)
+    force[3500:] -= second
+    noise = Noise(1e-3 * np.random.default_rng(4).standard_normal(4000), 1e-3)
+    run = SimpleNamespace(
+        require_unbroken_hold=lambda: None, window=lambda start, end, least: slice(0, 4000), force=force,
+        events=SimpleNamespace(on=0.0, off=1.0), zero=Estimate(0.0, 0.0), step=78.125e-6, noise_moving=noise,
+    )  # fmt: skip
+    return OBSERVABLES["slip_fraction"].measure(run)
 
 
-def _two_slips(first: float, second: float) -> tuple[np.ndarray, np.ndarray]:
-    """Levels before each sample and drops, (samples,): slips of these sizes [N] at forces of 1 N and 0.5 N."""
-    level, drops = np.full(2000, 1.0), np.zeros(2000)
-    level[1000:] = 0.5
-    drops[500:510], drops[1500:1510] = first, second
-    return level, drops
-
-
-def test_a_slip_as_large_at_another_force_widens_the_fraction():
-    level, drops = _two_slips(0.2, 0.2)
-    # either is the largest: the fraction is 0.2 or 0.4
-    assert rivals_spread(level, drops, 19, DROP_NOISE, 0.2) == pytest.approx(0.2 / np.sqrt(2), rel=1e-6)
+def test_two_slips_as_large_at_different_forces_widen_the_fraction():
+    found = _two_slips(0.2, 0.2)
+    # each half of the samples takes another one for the largest: 0.2 of 1 N or of 0.5 N
+    assert found.value == pytest.approx(0.3, abs=0.01)
+    assert found.sd == pytest.approx(0.1, abs=0.01)
 
 
 def test_a_smaller_slip_does_not():
-    level, drops = _two_slips(0.2, 0.2 - 8 * DROP_NOISE)
-    assert rivals_spread(level, drops, 19, DROP_NOISE, 0.2) < 1e-3
+    found = _two_slips(0.2, 0.15)
+    assert found.value == pytest.approx(0.2, abs=0.002)
+    assert found.sd < 1e-3
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -5,8 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from scipy.ndimage import maximum_filter1d, uniform_filter1d
-from scipy.special import ndtr
+from scipy.ndimage import uniform_filter1d
 
 from eaclutch.records import FloatArray, ObservableInfo
 from eaclutch.rig.estimate import Estimate, Unusable
@@ -16,7 +15,6 @@ from eaclutch.rig.run_view import RunView
 SIDE = 0.0015  # s of mean force on either side of a slip
 DURATION = 0.002  # s: a slip lasts about half a period of the load cell (0.8 ms)
 THRESHOLD = 7.0  # standard deviations of the difference of two such means
-TOP = 0.1  # of the way from the slip that one half shows to the largest of all: where the truth mostly lies
 CLEAR = 0.001  # s kept clear of voltage on and off
 
 
@@ -44,29 +42,15 @@ def _measure(run: RunView) -> Estimate:
         raise Unusable("no_slip")
     fraction = float(drops[largest] / level[largest])
     count = len(force) // 2
-    halves = [slips(part[:count], 2 * run.step) for part in (force[::2], force[1::2])]
-    other = []
-    for (_, shown, _), (levels, found, _) in (halves, halves[::-1]):
-        at = int(np.argmax(shown))
-        other.append(found[at] / levels[at])
-    held = min(fraction, max(0.0, float(np.mean(other))))
-    value = held + TOP * (fraction - held)
+    halves = [slips(part[:count], 2 * run.step)[:2] for part in (force[::2], force[1::2])]
+    places = [int(np.argmax(shown)) for _, shown in halves]
+    other = [float(found[at] / levels[at]) for at, (levels, found) in zip(places, halves[::-1], strict=True)]
+    value = min(fraction, max(0.0, float(np.mean(other))))
     level_sd = math.hypot(noise.sd(np.full(side, 1.0 / side)), run.zero.sd)
     own = math.hypot(sd, value * level_sd) / float(level[largest])
-    rivals = rivals_spread(level, drops, side, sd, value)
-    # what rivals show apart holds the noise of each
-    return Estimate(value, math.hypot(max(own, rivals), (fraction - held) / math.sqrt(12.0)))
-
-
-def rivals_spread(level: FloatArray, drops: FloatArray, side: int, sd: float, value: float) -> float:
-    """By how much the fraction of whichever slip is truly the largest may differ from ``value``.
-
-    Slips whose drops differ by less than their noise ``sd`` [N] stand at different forces: each counts by the
-    probability that its drop is the larger one.
-    """
-    slip = drops == maximum_filter1d(drops, 4 * side + 1)
-    weight = ndtr((drops[slip] - drops.max()) / (math.sqrt(2.0) * sd))
-    return float(np.sqrt(weight @ (drops[slip] / level[slip] - value) ** 2 / weight.sum()))
+    # two slips that each half takes for the largest
+    apart = 0.5 * abs(other[0] - other[1]) if abs(places[0] - places[1]) > side else 0.0
+    return Estimate(value, max(own, apart))
 
 
 OBSERVABLES = (
