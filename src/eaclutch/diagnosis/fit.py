@@ -7,7 +7,7 @@ by one assumed size.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -66,13 +66,15 @@ def fit_hypothesis(
     thresholds: Mapping[str, Any],
     *,
     base: HypothesisFit | None = None,
+    beyond: HypothesisFit | None = None,
     seeds: Mapping[str, float] | None = None,
 ) -> HypothesisFit:
     """Fit ``forward``'s hypothesis, starting from the base fit where there is one.
 
     An effect's own parameters are scouted over their prior first (the calibrated ones follow linearly), so
-    that a fit does not depend on where it starts. ``seeds``: parameters known from elsewhere (the fits of each of
-    two effects alone; a first fit of the same data) make a further start, and the only one of a fit from scratch.
+    that a fit does not depend on where it starts; on top of the fit of one of two effects, ``beyond`` which it goes,
+    the other one's are. ``seeds``: parameters known from elsewhere (the fits of each of two effects alone; a first fit
+    of the same data) make a further start, and the only one of a fit from scratch.
     """
     share = thresholds["signature_tolerance"]
     best: HypothesisFit | None = None
@@ -90,7 +92,7 @@ def fit_hypothesis(
 
         found = [
             _finish(forward, data, kernels, thresholds, find_mode(forward, data.values, covariance_at, start))
-            for start in _starts(forward, data, kernels, size, base, seeds)
+            for start in _starts(forward, data, kernels, size, base, beyond, seeds)
         ]
         best = max([*found, *([best] if best else [])], key=lambda fitted: fitted.peak)
         # around a gap of some size the base laws hold no better than that
@@ -107,6 +109,7 @@ def _starts(
     kernels: Kernels,
     size: tuple[float, float],
     base: HypothesisFit | None,
+    beyond: HypothesisFit | None,
     seeds: Mapping[str, float] | None,
 ) -> list[FloatArray]:
     """Where the fits of one hypothesis start, in prior coordinates."""
@@ -117,6 +120,8 @@ def _starts(
         starts = _prior_starts(forward, data, covariance)
     else:
         starts = []
+    if beyond is not None:
+        starts += _scout(forward, beyond, covariance)[1:]
     if seeds:
         known = np.array([seeds.get(p.name, p.default) for p in forward.parameters])
         # what is known stands in for the base fit, and does at least as well
@@ -161,11 +166,11 @@ def own_signature(forward: Forward, theta: FloatArray) -> FloatArray:
     return both[0] - both[1]
 
 
-def neutral_parameters(forward: Forward, theta: FloatArray) -> FloatArray:
-    """``theta`` with every candidate at the value that switches it off."""
+def neutral_parameters(forward: Forward, theta: FloatArray, which: Sequence[int] | None = None) -> FloatArray:
+    """``theta`` with the candidates' parameters, or ``which`` of them, at the value that switches an effect off."""
     out = np.array(theta, dtype=float)
     for i, parameter in enumerate(forward.parameters):
-        if forward.own(parameter.name) and parameter.neutral is not None:
+        if forward.own(parameter.name) and parameter.neutral is not None and (which is None or i in which):
             out[i] = parameter.neutral
     return out
 
@@ -191,22 +196,22 @@ def _scout(forward: Forward, base: HypothesisFit, covariance: FloatArray) -> lis
 
 
 def scout_shifts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, FloatArray]:
-    """How far each scouted size of the candidates moves the entries, (scouts, entries), and its prior cost
-    (scouts,) in nats."""
+    """How far each scouted size of what ``forward`` has beyond ``base`` moves the entries, (scouts, entries), and its
+    prior cost (scouts,) in nats."""
     u, own = _scouts(forward, base)
     theta = forward.priors.from_normal(u)
-    neutral = neutral_parameters(forward, theta[0])
+    neutral = neutral_parameters(forward, theta[0], own)
     predicted = forward.representative.predict(np.concatenate([theta, neutral[None]]))
     return predicted[:-1] - predicted[-1], 0.5 * np.sum(u[:, own] ** 2, axis=1)
 
 
 def _scouts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, list[int]]:
     """Points (scouts, params) in prior coordinates: the base mode with draws of the candidates' own
-    parameters; and which those are."""
+    parameters that it lacks; and which those are."""
     known = dict(zip(base.mode.names, base.mode.u, strict=True))
     default = forward.priors.to_normal(np.array([p.default for p in forward.parameters]))
     mode = np.array([known.get(p.name, default[i]) for i, p in enumerate(forward.parameters)])
-    own = [i for i, p in enumerate(forward.parameters) if forward.own(p.name)]
+    own = [i for i, p in enumerate(forward.parameters) if forward.own(p.name) and p.name not in known]
     if not own:
         return mode[None], own
     u = np.tile(mode, (SCOUTS, 1))

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from eaclutch.diagnosis.fit import scout_shifts
+from eaclutch.diagnosis.fit import HypothesisFit, scout_shifts
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.study import Study
 
 WORTH_A_PAIR = 4.0  # nats that the best single effect must gain
 WORTH_AGAIN = 3.0  # nats that a pair gains over one of its effects
-LEADERS = 3  # singles that a second effect is tried on top of
+LEADERS = 4  # singles that a second effect is tried on top of
 
 
 def with_pairs(study: Study, found: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
@@ -50,35 +51,50 @@ def _again(study: Study, single: CandidateResult, other: CandidateResult) -> Can
 
 
 def weigh_pairs(study: Study, singles: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
-    """Fit the ``limit`` most promising pairs.
-
-    Promise: what a second effect, at the best of its scouted sizes, takes off the leaders' misfit when the
-    calibrated parameters follow linearly, less what it costs in prior.
-    """
+    """Fit the ``limit`` most promising pairs, each also from the fit of the one effect with the other on top."""
     named = sorted((r for r in singles if len(r.effects) == 1), key=lambda r: -r.log_evidence)
     alone_best = named[0].log_evidence if named else -np.inf
     plain = max((r.log_evidence for r in singles if not r.effects), default=-np.inf)
     # without a gap that one effect narrows there is nothing for a second one to do
     if limit <= 0 or len(named) < 2 or alone_best < plain + WORTH_A_PAIR:
         return []
-    shifts = {name: scout_shifts(study.forward((name,)), study.base) for name in study.candidates}
-    factor = cho_factor(study.base.linearised.marginal(), lower=True)
-    scores: dict[tuple[str, str], float] = {}
+    promises: dict[tuple[str, str], tuple[float, HypothesisFit]] = {}
     for leader in named[:LEADERS]:
-        w = study.base.linearised.w - np.array(leader.shift)
-        start = float(w @ cho_solve(factor, w))
-        for name in study.candidates:
-            if name == leader.effects[0]:
-                continue
-            shift, cost = shifts[name]
+        fitted = study.fit(leader.effects, _seeds([leader]))
+        for name, gain in _gains(study, fitted).items():
+            first, second = sorted((leader.effects[0], name))
+            promise = leader.log_evidence + gain
+            if promise > promises.get((first, second), (-np.inf, fitted))[0]:
+                promises[first, second] = promise, fitted
+    best = sorted(promises, key=lambda pair: -promises[pair][0])[:limit]
+    alone = {r.effects[0]: r for r in named}
+    return [
+        study.weigh(pair, _seeds([alone[name] for name in pair if name in alone]), promises[pair][1])
+        for pair in best
+    ]
+
+
+def _gains(study: Study, leader: HypothesisFit) -> dict[str, float]:
+    """Nats that each further effect promises beside a fitted one: what the best of its scouted sizes takes off the
+    misfit when all parameters of the leader follow linearly, less what it costs in prior."""
+    tolerance, session = leader.multipliers
+    # a gap that one effect leaves is for the second one, not for wide tolerances
+    usual = max(study.thresholds["multipliers"]["tolerance"]["values"])
+    covariance = study.kernels.total(
+        tolerance=min(tolerance, usual), session=session,
+        signature=leader.signature, signature_tolerance=study.thresholds["signature_tolerance"],
+    )  # fmt: skip
+    linearised = replace(leader.linearised, covariance=covariance)
+    factor, w = cho_factor(linearised.marginal(), lower=True), linearised.w
+    start = float(w @ cho_solve(factor, w))
+    found = {}
+    for name in study.candidates:
+        if name not in leader.effects:
+            shift, cost = scout_shifts(study.forward((*leader.effects, name)), leader)
             trial = w - shift
             gain = 0.5 * (start - np.sum(trial.T * cho_solve(factor, trial.T), axis=0)) - cost
-            first, second = sorted((leader.effects[0], name))
-            pair = (first, second)
-            scores[pair] = max(scores.get(pair, -np.inf), leader.log_evidence + float(np.max(gain)))
-    best = sorted(scores, key=lambda pair: -scores[pair])[:limit]
-    alone = {r.effects[0]: r for r in named}
-    return [study.weigh(pair, _seeds([alone[name] for name in pair if name in alone])) for pair in best]
+            found[name] = float(np.max(gain))
+    return found
 
 
 def _seeds(singles: Sequence[CandidateResult]) -> dict[str, float]:

@@ -192,17 +192,29 @@ class Study:
     def forward(self, effects: Sequence[str]) -> Forward:
         return Forward(self.model(effects), self.data, effects, self.priors)
 
-    def fit(self, effects: Sequence[str], seeds: Mapping[str, float] | None = None) -> HypothesisFit:
-        """Joint fit with ``effects`` on top of the campaign's model."""
+    def fit(
+        self,
+        effects: Sequence[str],
+        seeds: Mapping[str, float] | None = None,
+        beyond: HypothesisFit | None = None,
+    ) -> HypothesisFit:
+        """Joint fit with ``effects`` on top of the campaign's model; ``beyond``: the fit of one of two effects, on top
+        of which the other is tried."""
         if not effects:
             return self.base
         return fit_hypothesis(
-            self.forward(effects), self.data, self.kernels, self.thresholds, base=self.base, seeds=seeds
-        )
+            self.forward(effects), self.data, self.kernels, self.thresholds,
+            base=self.base, beyond=beyond, seeds=seeds,
+        )  # fmt: skip
 
-    def weigh(self, effects: Sequence[str], seeds: Mapping[str, float] | None = None) -> CandidateResult:
-        """Fit and score one hypothesis; ``seeds``: parameters to start from as well, by name."""
-        fitted = self.fit(effects, seeds)
+    def weigh(
+        self,
+        effects: Sequence[str],
+        seeds: Mapping[str, float] | None = None,
+        beyond: HypothesisFit | None = None,
+    ) -> CandidateResult:
+        """Fit and score one hypothesis; ``seeds``: parameters to start from as well, by name; ``beyond``: see fit."""
+        fitted = self.fit(effects, seeds, beyond)
         return summarise(
             fitted, self.forward(effects), self.data, self.cells, self._open(fitted), self._without(fitted),
             self.readings, self.generator(7),

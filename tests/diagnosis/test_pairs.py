@@ -1,0 +1,39 @@
+"""Which two effects are weighed together: a second one is looked for where the first one has already been fitted."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from diagnosis.simulated import inputs
+from eaclutch.diagnosis.fit import scout_shifts
+from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
+from eaclutch.physics.effects import BASE
+
+KNOWN = tuple(effect for effect in BASE if effect != "load_cell_dynamics")
+CANDIDATES = ("load_cell_dynamics", "series_compliance", "trigger_latency", "slow_drive")
+
+
+def test_a_second_effect_is_found_that_shows_only_beside_the_first():
+    """A model without the load cell's swing, a bench with that and a soft train: a delay alone does as well as the
+    swing, and beside the delay the soft train promises more than the swing."""
+    given = inputs(("series_compliance",), {"series_compliance.compliance": 6e-5})
+    study = Study(replace(given, effects=KNOWN, candidates=CANDIDATES), load_thresholds(), seed=3)
+    singles = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
+    assert max(singles, key=lambda r: r.log_evidence).effects == ("trigger_latency",)
+    best = weigh_pairs(study, singles, 1)[0]
+    assert best.effects == ("load_cell_dynamics", "series_compliance")
+    assert best.log_evidence > max(r.log_evidence for r in singles) + 50.0
+
+
+def test_only_the_second_effect_is_scouted_on_top_of_the_first():
+    study = Study(inputs(), load_thresholds())
+    first = study.fit(("series_compliance",))
+    forward = study.forward(("series_compliance", "trigger_latency"))
+    shift, cost = scout_shifts(forward, first)
+    alone, cost_alone = scout_shifts(study.forward(("trigger_latency",)), study.base)
+    np.testing.assert_allclose(cost, cost_alone)
+    # a delay moves release times alike, however soft the train is
+    times = np.char.startswith(study.data.channel.astype(str), "release_time")
+    np.testing.assert_allclose(shift[:, times], alone[:, times], atol=0.5)
