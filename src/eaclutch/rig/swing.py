@@ -45,10 +45,7 @@ def fit_swing(
         return None
 
     def design(w: float, zeta: float) -> FloatArray:
-        decay, wd = np.exp(-zeta * w * t), w * np.sqrt(max(1e-9, 1.0 - zeta**2))
-        return np.stack(
-            [np.ones_like(t), t / span - 0.5, decay * np.cos(wd * t), decay * np.sin(wd * t)], axis=1
-        )
+        return np.stack([np.ones_like(t), t / span - 0.5, *_damped(t, w, zeta)], axis=1)
 
     def residual(p: FloatArray) -> FloatArray:
         basis = design(p[0], p[1])
@@ -64,17 +61,23 @@ def fit_swing(
     weights = np.linalg.lstsq(basis, force, rcond=None)[0]
     amplitude = float(np.hypot(weights[2], weights[3]))
     left = float(np.sqrt(np.mean(fit.fun**2) * len(t) / (len(t) - 6)))
+    amplitude_sd = noise_sd * float(np.sqrt(np.linalg.pinv(basis.T @ basis)[2, 2]))
+    unclear = amplitude < CLEAR * amplitude_sd * max(1.0, left) or left > STRAY
+    if unclear or zeta > OVER_AT_ONCE or not BAND[0] <= w / (2 * np.pi) <= BAND[1]:
+        return None
     lever = _levers(t, force, np.array([w, zeta, *weights]))
     if autocovariance is None:
         variance = np.sum(lever**2, axis=0) * (noise_sd * max(1.0, left)) ** 2
     else:
         variance = np.diag(lever.T @ toeplitz(autocovariance) @ lever)
-    amplitude_sd = noise_sd * float(np.sqrt(np.linalg.pinv(basis.T @ basis)[2, 2]))
-    unclear = amplitude < CLEAR * amplitude_sd * max(1.0, left) or left > STRAY
-    if unclear or zeta > OVER_AT_ONCE or not BAND[0] <= w / (2 * np.pi) <= BAND[1]:
-        return None
     sd = np.sqrt(variance)
     return Swing(w / (2 * np.pi), sd[0] / (2 * np.pi), float(zeta), float(sd[1]), amplitude)
+
+
+def _damped(t: FloatArray, w: float, zeta: float) -> tuple[FloatArray, FloatArray]:
+    """exp(-zeta w t) cos(w_d t) and the same with the sine, (samples,)."""
+    decay, wd = np.exp(-zeta * w * t), w * np.sqrt(max(1e-9, 1.0 - zeta**2))
+    return decay * np.cos(wd * t), decay * np.sin(wd * t)
 
 
 def _levers(t: FloatArray, force: FloatArray, found: FloatArray) -> FloatArray:
@@ -87,8 +90,8 @@ def _levers(t: FloatArray, force: FloatArray, found: FloatArray) -> FloatArray:
 
     def slopes_and_left(p: FloatArray) -> tuple[FloatArray, FloatArray]:
         w, zeta, level, line, a, b = p
-        decay, q = np.exp(-zeta * w * t), np.sqrt(max(1e-9, 1.0 - zeta**2))
-        cos, sin = decay * np.cos(q * w * t), decay * np.sin(q * w * t)
+        cos, sin = _damped(t, w, zeta)
+        q = np.sqrt(max(1e-9, 1.0 - zeta**2))
         swing, turned = a * cos + b * sin, b * cos - a * sin
         by_w, by_zeta = t * (q * turned - zeta * swing), -w * t * (swing + zeta / q * turned)
         slopes = np.stack([by_w, by_zeta, np.ones_like(t), t / t[-1] - 0.5, cos, sin], axis=1)

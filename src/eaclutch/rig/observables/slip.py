@@ -27,7 +27,8 @@ def slips(force: FloatArray, step: float) -> tuple[FloatArray, FloatArray, int]:
 
 
 def _measure(run: RunView) -> Estimate:
-    """The largest of many noisy slips is too large, as a peak is: see ``capacity.peak`` for the two halves."""
+    """The largest of many noisy slips is too large: each half of the samples measures the one that the other half
+    takes for the largest."""
     run.require_unbroken_hold()
     events = run.events
     window = run.window(events.on + CLEAR, events.off - CLEAR, least=200)
