@@ -3,8 +3,8 @@
     python benchmarks/extractor_coverage.py --runs 600
 
 prints a row an observable and records them in docs/measurements/extractor_coverage.json. Truth is the definition on
-the same run without noise (eaclutch.simulation.extractor_coverage); where a run shows no zero, absolute forces and
-the slip fraction keep it in their truth as well, as the flag no_zero says.
+the same run without noise (eaclutch.simulation.extractor_coverage); where a run shows no zero, absolute forces
+keep it in their truth as well, as their definition and the flag no_zero say.
 """
 
 from __future__ import annotations

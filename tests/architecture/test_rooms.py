@@ -17,7 +17,7 @@ ROOMS = {
     "physics": set(),
     "simulation": {"physics", "rig", "config"},
     "inference": {"physics"},
-    "diagnosis": {"inference", "simulation", "physics", "rig.table"},
+    "diagnosis": {"inference", "simulation", "physics", "rig.table", "rig.zero"},
     "blind": {"rig.logs", "rig.log_names", "config"},
     "reporting": {"provenance"},
     "studies": {"physics", "inference"},

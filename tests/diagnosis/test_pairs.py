@@ -22,6 +22,10 @@ def test_a_second_effect_is_found_that_shows_only_beside_the_first():
     study = Study(replace(given, effects=KNOWN, candidates=CANDIDATES), load_thresholds(), seed=3)
     singles = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
     assert max(singles, key=lambda r: r.log_evidence).effects == ("trigger_latency",)
+    alone = next(r for r in singles if r.effects == ("trigger_latency",))
+    # fitted around so large a gap, and checked at usual tolerances all the same
+    assert alone.multipliers[0] > 2.0
+    assert alone.adequate_p < 0.01
     best = weigh_pairs(study, singles, 1)[0]
     assert best.effects == ("load_cell_dynamics", "series_compliance")
     assert best.log_evidence > max(r.log_evidence for r in singles) + 50.0

@@ -9,7 +9,7 @@ import pytest
 
 from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.repeatability import pooled_variance, session_share
-from eaclutch.diagnosis.screening import reaches
+from eaclutch.diagnosis.screening import reaches, scaled_column
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.weigh import NONE, probabilities
 
@@ -18,6 +18,14 @@ def test_a_ramp_counts_only_where_no_slip_can_come_so_early():
     channel = next(c for c in CHANNELS if c.name == "ramp_rate_n_s")  # up to 20 ms: 0.18 N at 9 N/s
     table = pd.DataFrame({"shear_capacity_n": [0.1, 0.24, 0.6], "friction_before_n": [0.05, 0.2, 0.05]})
     np.testing.assert_array_equal(reaches(table, channel, 9.0), [False, False, True])
+
+
+def test_a_zero_that_the_fit_knows_is_no_uncertainty_of_a_run():
+    channel = next(c for c in CHANNELS if c.name == "slip_fraction")
+    table = pd.DataFrame({"slip_fraction": [0.1, 0.2], "slip_fraction_sd": [0.03, 0.01]})
+    np.testing.assert_allclose(scaled_column(table, channel)[1], [0.03, 0.01])
+    table["slip_fraction_sd_zero_known"] = [0.02, np.nan]
+    np.testing.assert_allclose(scaled_column(table, channel)[1], [0.02, 0.01])
 
 
 @dataclass(frozen=True)

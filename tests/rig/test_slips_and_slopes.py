@@ -14,10 +14,13 @@ from eaclutch.rig.extract import extract
 from eaclutch.rig.noise import Noise
 from eaclutch.rig.observables import OBSERVABLES
 from eaclutch.rig.observables.ramp import slope
+from eaclutch.rig.zero import NO_ZERO
 from rig.made_run import Made, make_run
 
+KNOWN = Estimate(0.0, 0.0)
 
-def _two_slips(first: float, second: float) -> Estimate:
+
+def _two_slips(first: float, second: float, zero: Estimate = KNOWN) -> Estimate:
     """Slips of these sizes [N] at forces of 1 N and 0.5 N, every other sample seeing the first 4 mN larger."""
     force = np.interp(np.arange(4000), [2000, 3000], [1.0, 0.5 + first])
     force[1000:] -= first + 0.004 * np.tile([1, -1], 1500)
@@ -25,7 +28,7 @@ def _two_slips(first: float, second: float) -> Estimate:
     noise = Noise(1e-3 * np.random.default_rng(4).standard_normal(4000), 1e-3)
     run = SimpleNamespace(
         require_unbroken_hold=lambda: None, window=lambda start, end, least: slice(0, 4000), force=force,
-        events=SimpleNamespace(on=0.0, off=1.0), zero=Estimate(0.0, 0.0), step=78.125e-6, noise_moving=noise,
+        events=SimpleNamespace(on=0.0, off=1.0), zero=zero, step=78.125e-6, noise_moving=noise,
     )  # fmt: skip
     return OBSERVABLES["slip_fraction"].measure(run)
 
@@ -41,6 +44,14 @@ def test_a_smaller_slip_does_not():
     found = _two_slips(0.2, 0.15)
     assert found.value == pytest.approx(0.2, abs=0.002)
     assert found.sd < 1e-3
+
+
+def test_a_zero_that_the_run_does_not_show_widens_the_fraction():
+    known, unknown = _two_slips(0.2, 0.15), _two_slips(0.2, 0.15, NO_ZERO)
+    assert unknown.value == known.value
+    assert unknown.sd_zero_known == known.sd == known.sd_zero_known
+    # 0.2 of a force of 1 N that may be 25 mN off
+    assert unknown.sd == pytest.approx(0.2 * 0.025, rel=0.02)
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -39,15 +39,17 @@ class HypothesisFit:
     """A fitted hypothesis.
 
     effects: the candidates on top of the campaign's model. linearised: at the mode, with the covariance of
-    the most probable multipliers. residual (entries,): measured less predicted at the mode. signature
-    (entries,): how far the effects themselves move the prediction. multipliers: the most probable (tolerance,
-    session). log_evidence: nats, averaged over the multipliers. peak: that of the most probable multipliers, however
-    wide; fits of one hypothesis from different starts are compared by it.
+    the most probable multipliers; usual: the same with no wider a tolerance than an evidence may take.
+    residual (entries,): measured less predicted at the mode. signature (entries,): how far the effects themselves
+    move the prediction. multipliers: the most probable (tolerance, session). log_evidence: nats, averaged over the
+    multipliers. peak: that of the most probable multipliers, however wide; fits of one hypothesis from different
+    starts are compared by it.
     """
 
     effects: tuple[str, ...]
     mode: Mode
     linearised: Linearised
+    usual: Linearised
     residual: FloatArray
     signature: FloatArray
     multipliers: tuple[float, float]
@@ -146,13 +148,20 @@ def _finish(
     signature = own_signature(forward, mode.theta)
     residual = data.values - mode.predicted
     found = marginal_evidence(forward, data, kernels, thresholds, mode, signature)
-    covariance = kernels.total(
-        tolerance=found.multipliers[0], session=found.multipliers[1],
-        signature=signature, signature_tolerance=thresholds["signature_tolerance"],
-    )  # fmt: skip
-    linearised = Linearised(residual + mode.jacobian @ mode.u, mode.jacobian, covariance)
+    w = residual + mode.jacobian @ mode.u
+
+    def linearised(tolerance: float) -> Linearised:
+        covariance = kernels.total(
+            tolerance=tolerance, session=found.multipliers[1],
+            signature=signature, signature_tolerance=thresholds["signature_tolerance"],
+        )  # fmt: skip
+        return Linearised(w, mode.jacobian, covariance)
+
+    own = linearised(found.multipliers[0])
+    widest = max(thresholds["multipliers"]["tolerance"]["values"])
+    usual = own if found.multipliers[0] <= widest else linearised(widest)
     return HypothesisFit(
-        forward.candidates, mode, linearised, residual, signature,
+        forward.candidates, mode, own, usual, residual, signature,
         found.multipliers, found.log_evidence, found.peak,
     )  # fmt: skip
 

@@ -21,8 +21,8 @@ from eaclutch.diagnosis.data import DataVector
 from eaclutch.physics.effect import Parameter, Prior
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import FloatArray, RunConditions
+from eaclutch.rig.zero import UNKNOWN_SD
 
-ZERO_SD = 0.025  # N, between sessions (rig: tens of mN)
 LARGEST_ZERO = 0.2  # N
 PREFIX = "force_zero_"
 PEAK_SHARE, PEAK_NOISE = "largest_slip_excess", "largest_noise_excess"
@@ -62,7 +62,9 @@ class Readings:
     def parameters(self) -> tuple[Parameter, ...]:
         """One zero a session [N], and by how much peaks exceed the typical slip."""
         zeros = tuple(
-            Parameter(f"{PREFIX}{s}", "N", (-LARGEST_ZERO, LARGEST_ZERO), 0.0, Prior("normal", 0.0, ZERO_SD))
+            Parameter(
+                f"{PREFIX}{s}", "N", (-LARGEST_ZERO, LARGEST_ZERO), 0.0, Prior("normal", 0.0, UNKNOWN_SD)
+            )
             for s in self.sessions
         )
         return zeros + (PEAKS if self.peaks else ())

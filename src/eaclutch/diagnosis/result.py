@@ -32,9 +32,9 @@ class CandidateResult:
     (``Cells.mean_square``), 0 where there is one condition only.
     errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
     without and with the entry's condition in the fit. shift: how far the effect moves each entry. adequate_p:
-    absolute gate with the effect in. remainder_law: (quantity, setting) where the nameless remainder is best said so,
-    else empty. parameters: the effect's own (a pair's with its name in front); calibrated:
-    {name: {mean, sd, unit, prior_sds}}.
+    absolute gate with the effect in, at usual tolerances. remainder_law: (quantity, setting) where the
+    nameless remainder is best said so, else empty. parameters: the effect's own (a pair's with its name
+    in front); calibrated: {name: {mean, sd, unit, prior_sds}}.
     """
 
     effects: tuple[str, ...]
@@ -85,10 +85,11 @@ def condition_groups(data: DataVector) -> tuple[tuple[str, ...], list[np.ndarray
     return names, [np.flatnonzero(data.condition == name) for name in names]
 
 
-def with_readings(fitted: HypothesisFit, readings: Mapping[str, float]) -> Linearised:
-    """A fit with the parameters of the reading held at ``readings`` (prior coordinates)."""
+def with_readings(fitted: HypothesisFit, readings: Mapping[str, float], *, usual: bool = False) -> Linearised:
+    """A fit, or the same at ``usual`` tolerances, with the parameters of the reading held at ``readings`` (prior
+    coordinates)."""
     known = {i: readings[name] for i, name in enumerate(fitted.mode.names) if name in readings}
-    return given(fitted.linearised, known)
+    return given(fitted.usual if usual else fitted.linearised, known)
 
 
 def left_out_errors(
@@ -150,11 +151,12 @@ def summarise(
 ) -> CandidateResult:
     """Score a fit on left-out conditions and by the absolute gate; ``readings``: ``Study.readings``."""
     _, groups = condition_groups(data)
-    linearised = with_readings(fitted, readings)
-    left = leave_out(linearised, groups)
-    null = simulate_null(linearised, linearised.covariance, rng, campaigns=200)
+    left = leave_out(with_readings(fitted, readings), groups)
+    # a tolerance as wide as the gap would let any fit pass the check
+    usual = with_readings(fitted, readings, usual=True)
+    null = simulate_null(usual, usual.covariance, rng, campaigns=200)
     runs = data.condition != ""
-    adequate, blocks = adequacy(linearised, left, np.where(runs, data.block, ""), null)
+    adequate, blocks = adequacy(usual, leave_out(usual, groups), np.where(runs, data.block, ""), null)
     errors_left_out = left_out_errors(forward, data, fitted, left, readings)
     own, calibrated = {}, {}
     mode = fitted.mode

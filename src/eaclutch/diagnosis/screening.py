@@ -14,11 +14,15 @@ EARLY_SLIP = 0.15  # share of its largest force by which a run may slip too earl
 
 
 def scaled_column(table: pd.DataFrame, channel: Channel) -> tuple[FloatArray, FloatArray]:
-    """An observable and its standard uncertainty on the comparison scale, (runs,) each."""
+    """An observable and its standard uncertainty on the comparison scale, (runs,) each. The zero that runs of a
+    session share is a parameter of the fit (diagnosis.readings): its part is left out where the table says it."""
     values = pd.to_numeric(table[channel.name], errors="coerce").to_numpy(dtype=float)
     sd_name = f"{channel.name}_sd"
     if sd_name in table:
         sd = pd.to_numeric(table[sd_name], errors="coerce").to_numpy(dtype=float)
+        if f"{sd_name}_zero_known" in table:
+            known = pd.to_numeric(table[f"{sd_name}_zero_known"], errors="coerce").to_numpy(dtype=float)
+            sd = np.where(np.isfinite(known), known, sd)
     else:
         sd = np.full(len(values), np.nan)
     if channel.scale == "log":

@@ -12,11 +12,15 @@ class Unusable(Exception):
 
 @dataclass(frozen=True)
 class Estimate:
-    """``value`` +- ``sd`` (standard uncertainty, same unit); both NaN where ``reason`` says why."""
+    """``value`` +- ``sd`` (standard uncertainty, same unit); both NaN where ``reason`` says why.
+
+    sd_zero_known: the standard uncertainty that would be left if the load cell's zero were known, where it is less.
+    """
 
     value: float
     sd: float
     reason: str = ""
+    sd_zero_known: float | None = None
 
     @property
     def usable(self) -> bool:

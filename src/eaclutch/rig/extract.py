@@ -24,7 +24,8 @@ def extract_view(recording: Recording, bench: Bench) -> tuple[RunView, dict[str,
     """The repaired run and its row of a batch table, from a recording as logged.
 
     Keys of the row: run, settings (voltage_v, frequency_hz, width_mm, substrate), drive_duration_s, dwell_s, preload_n,
-    ``<observable>`` and ``<observable>_sd`` (NaN where unusable), usable, flags (joined by ``;``).
+    ``<observable>`` and ``<observable>_sd`` (NaN where unusable), slip_fraction_sd_zero_known, usable, flags (joined
+    by ``;``).
     """
     run = RunView(make_whole(recording))
     flags = list(run.whole.recording.flags)
@@ -47,6 +48,8 @@ def extract_view(recording: Recording, bench: Bench) -> tuple[RunView, dict[str,
     row["preload_n"] = estimated if settings.preload is None else settings.preload
     for name, estimate in estimates.items():
         row[name], row[f"{name}_sd"] = estimate.value, estimate.sd
+        if estimate.sd_zero_known is not None:
+            row[f"{name}_sd_zero_known"] = estimate.sd_zero_known
     usable = [name for name, estimate in estimates.items() if estimate.usable]
     row["usable"] = bool(np.isin(["shear_capacity_n", "release_time_90_s"], usable).any())
     row["flags"] = ";".join(sorted(set(filter(None, flags))))

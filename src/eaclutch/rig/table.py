@@ -19,7 +19,15 @@ PRELOAD_EDGES = (0.25, 0.75, 1.5)  # N
 LEADING = (
     "run", "session", "condition", "substrate", "voltage_v", "frequency_hz", "width_mm", "thickness_mm", "preload_n",
 )  # fmt: skip
-TRAILING = ("usable", "flags", "reasons", "drive_duration_s", "dwell_s", "run_order")
+TRAILING = (
+    "usable",
+    "flags",
+    "reasons",
+    "drive_duration_s",
+    "dwell_s",
+    "run_order",
+    "slip_fraction_sd_zero_known",
+)
 
 
 def observable_infos() -> list[ObservableInfo]:
@@ -51,6 +59,7 @@ def empty_row(run: str) -> dict[str, Any]:
         "reasons": "",
         "drive_duration_s": np.nan,
         "dwell_s": np.nan,
+        "slip_fraction_sd_zero_known": np.nan,
     }
     return row | {column: np.nan for name in OBSERVABLES for column in (name, f"{name}_sd")}
 
