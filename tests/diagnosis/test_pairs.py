@@ -1,14 +1,16 @@
 """Which two effects are weighed together: a second one is looked for where the first one has already been fitted."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 
 from diagnosis.simulated import inputs
 from eaclutch.diagnosis.fit import scout_shifts
-from eaclutch.diagnosis.pairs import weigh_pairs
+from eaclutch.diagnosis.pairs import _leaders, weigh_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.weigh import counted_evidence
 from eaclutch.physics.effects import BASE
 
 KNOWN = tuple(effect for effect in BASE if effect != "load_cell_dynamics")
@@ -29,6 +31,20 @@ def test_a_second_effect_is_found_that_shows_only_beside_the_first():
     best = weigh_pairs(study, singles, 1)[0]
     assert best.effects == ("load_cell_dynamics", "series_compliance")
     assert best.log_evidence > max(r.log_evidence for r in singles) + 50.0
+
+
+def test_a_base_fit_that_did_better_elsewhere_does_not_end_the_search_for_more():
+    """What a single gains over the base model as it was found says that there is a gap to look into."""
+    base = SimpleNamespace(effects=(), log_evidence=0.0, log_evidence_without=0.0, gap_left_out=2.0)
+    single = SimpleNamespace(
+        effects=("gap_tilt",),
+        log_evidence=9.0,
+        log_evidence_open=6.0,
+        log_evidence_without=8.0,
+        gap_left_out=1.0,
+    )
+    results = [base, single]
+    assert _leaders(results, counted_evidence(results, load_thresholds())) == [1]
 
 
 def test_only_the_second_effect_is_scouted_on_top_of_the_first():

@@ -96,6 +96,18 @@ def test_what_widens_the_gap_left_out_explains_no_part_of_it():
     assert max(wider, key=wider.__getitem__) == ("unknown",)
 
 
+def test_a_second_effect_that_widens_the_gap_left_out_explains_no_part_of_it():
+    thresholds = load_thresholds()
+    base, named = weighed(NONE, -400.0, without=-400.0), weighed(("gap_tilt",), -300.0, without=-400.0)
+    pair = weighed(("gap_tilt", "slow_drive"), -290.0, without=-400.0)
+    base.log_evidence_without_open, named.log_evidence_open, pair.log_evidence_open = -80.0, -20.0, 0.0
+    narrower = probabilities([base, named, pair], thresholds)
+    pair.gap_left_out = 1.5  # less than the base model's 2, more than the 1 of one effect alone
+    wider = probabilities([base, named, pair], thresholds)
+    assert max(narrower, key=narrower.__getitem__) == pair.effects
+    assert max(wider, key=wider.__getitem__) == named.effects
+
+
 def test_the_best_name_is_no_sure_name_where_its_fit_fails_the_absolute_check():
     thresholds = load_thresholds()
     base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +11,9 @@ from scipy.linalg import cho_factor, cho_solve
 from eaclutch.diagnosis.fit import HypothesisFit, scout_shifts
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.weigh import counted_evidence
+
+Counted = Callable[[CandidateResult], float]
 
 WORTH_A_PAIR = 4.0  # nats that the best single effect must gain
 WORTH_AGAIN = 3.0  # nats that a pair gains over one of its effects
@@ -20,43 +23,48 @@ LEADERS = 4  # singles that a second effect is tried on top of
 def with_pairs(study: Study, found: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
     """``found`` with the most promising pairs. The leading singles are fitted once more from where others stand, and
     each single from where a pair that does better stands: what an effect gains must not be that another fit stopped
-    short."""
+    short. Around a large gap, where fits end far apart, what leads is also fitted afresh."""
     results = list(found)
-    for i in _leaders(results):
+    counted = counted_evidence(results, study.thresholds)
+    for i in _leaders(results, counted):
         others = [r for r in results if len(r.effects) == 1 and r is not results[i]]
-        if others:
-            results[i] = _again(study, results[i], max(others, key=lambda r: r.log_evidence))
-    pairs = weigh_pairs(study, results, limit)
+        tried = [_again(study, results[i], max(others, key=counted))] if others else []
+        results[i] = max([results[i], *tried, *_afresh(study, results[i])], key=counted)
+    pairs = [max([pair, *_afresh(study, pair)], key=counted) for pair in weigh_pairs(study, results, limit)]
     for i, single in enumerate(results):
         above = [pair for pair in pairs if single.effects and set(single.effects) < set(pair.effects)]
-        best = max(above, key=lambda pair: pair.log_evidence, default=single)
-        if best.log_evidence > single.log_evidence + WORTH_AGAIN:
-            results[i] = _again(study, single, best)
+        best = max(above, key=counted, default=single)
+        if counted(best) > counted(single) + WORTH_AGAIN:
+            results[i] = max(single, _again(study, single, best), key=counted)
     return results + pairs
 
 
-def _leaders(results: Sequence[CandidateResult]) -> list[int]:
+def _leaders(results: Sequence[CandidateResult], counted: Counted) -> list[int]:
     """Places of the best singles that gain something over the base model."""
     plain = max((r.log_evidence for r in results if not r.effects), default=np.inf)
-    worth = [
-        i for i, r in enumerate(results) if len(r.effects) == 1 and r.log_evidence > plain + WORTH_A_PAIR
-    ]
-    return sorted(worth, key=lambda i: -results[i].log_evidence)[:LEADERS]
+    worth = [i for i, r in enumerate(results) if len(r.effects) == 1 and counted(r) > plain + WORTH_A_PAIR]
+    return sorted(worth, key=lambda i: -counted(results[i]))[:LEADERS]
 
 
 def _again(study: Study, single: CandidateResult, other: CandidateResult) -> CandidateResult:
-    """The better of a fit and the same from the calibrated parameters of another."""
-    again = study.weigh(single.effects, _seeds([single]) | _seeds([other]))
-    return max(single, again, key=lambda result: result.log_evidence)
+    """The same fit from the calibrated parameters of another."""
+    return study.weigh(single.effects, _seeds([single]) | _seeds([other]))
+
+
+def _afresh(study: Study, result: CandidateResult) -> list[CandidateResult]:
+    """The same fit from scratch, where it needed wider tolerances than usual; nothing elsewhere."""
+    if result.multipliers[0] <= max(study.thresholds["multipliers"]["tolerance"]["values"]):
+        return []
+    return [study.weigh(result.effects, afresh=True)]
 
 
 def weigh_pairs(study: Study, singles: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
     """Fit the ``limit`` most promising pairs, each also from the fit of the one effect with the other on top."""
-    named = sorted((r for r in singles if len(r.effects) == 1), key=lambda r: -r.log_evidence)
-    alone_best = named[0].log_evidence if named else -np.inf
+    counted = counted_evidence(singles, study.thresholds)
+    named = sorted((r for r in singles if len(r.effects) == 1), key=counted, reverse=True)
     plain = max((r.log_evidence for r in singles if not r.effects), default=-np.inf)
     # without a gap that one effect narrows there is nothing for a second one to do
-    if limit <= 0 or len(named) < 2 or alone_best < plain + WORTH_A_PAIR:
+    if limit <= 0 or len(named) < 2 or counted(named[0]) < plain + WORTH_A_PAIR:
         return []
     promises: dict[tuple[str, str], tuple[float, HypothesisFit]] = {}
     for leader in named[:LEADERS]:

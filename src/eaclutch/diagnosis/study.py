@@ -197,14 +197,16 @@ class Study:
         effects: Sequence[str],
         seeds: Mapping[str, float] | None = None,
         beyond: HypothesisFit | None = None,
+        *,
+        afresh: bool = False,
     ) -> HypothesisFit:
         """Joint fit with ``effects`` on top of the campaign's model; ``beyond``: the fit of one of two effects, on top
-        of which the other is tried."""
+        of which the other is tried; ``afresh``: from draws of all parameters, not from where the base fit stands."""
         if not effects:
             return self.base
         return fit_hypothesis(
             self.forward(effects), self.data, self.kernels, self.thresholds,
-            base=self.base, beyond=beyond, seeds=seeds,
+            base=None if afresh else self.base, beyond=beyond, seeds=seeds,
         )  # fmt: skip
 
     def weigh(
@@ -212,9 +214,12 @@ class Study:
         effects: Sequence[str],
         seeds: Mapping[str, float] | None = None,
         beyond: HypothesisFit | None = None,
+        *,
+        afresh: bool = False,
     ) -> CandidateResult:
-        """Fit and score one hypothesis; ``seeds``: parameters to start from as well, by name; ``beyond``: see fit."""
-        fitted = self.fit(effects, seeds, beyond)
+        """Fit and score one hypothesis; ``seeds``: parameters to start from as well; ``beyond``, ``afresh``: as
+        for fit."""
+        fitted = self.fit(effects, seeds, beyond, afresh=afresh)
         return summarise(
             fitted, self.forward(effects), self.data, self.cells, self._open(fitted), self._without(fitted),
             self.readings, self.generator(7),

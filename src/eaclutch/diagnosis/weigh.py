@@ -7,7 +7,7 @@ correction, and the development set says how much.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -29,9 +29,10 @@ def probabilities(
     ``results`` hold the base model (no effects; its open evidence is that of ``unknown``) and every single and
     pair that was fitted. A named set may leave a nameless remainder, which costs it ``remainder_cost`` nats: its
     law is not the library's, but it is still the cause. An effect that the library lacks must do better than
-    that by itself. A set that predicts left-out conditions worse than the base model may leave none: what makes a gap
-    wider explains no part of it, however well it does elsewhere once a block is given up. And a name whose fit fails
-    the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence only says who is best.
+    that by itself. A set that predicts left-out conditions worse than the base model, or a pair than one of its two,
+    may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a block is given
+    up. And a name whose fit fails the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence
+    only says who is best.
     """
     prior = thresholds["prior"]
     singles = [r for r in results if len(r.effects) == 1]
@@ -45,19 +46,8 @@ def probabilities(
         2: named * prior["pair_share"] / possible_pairs,
     }
     keys = [r.effects for r in results] + [UNKNOWN]
-    cost = float(thresholds["remainder_cost"])
-    plain = max(r.log_evidence_without for r in results)
     unknown = max(r.log_evidence_without_open for r in results)
-    gap = min((r.gap_left_out for r in results if not r.effects), default=np.inf)
-
-    def own(result: CandidateResult) -> float:
-        if not result.effects:
-            return plain
-        if result.gap_left_out > gap:
-            return result.log_evidence
-        return float(np.logaddexp(result.log_evidence, result.log_evidence_open - cost))
-
-    evidence = np.array([*map(own, results), unknown])
+    evidence = np.array([*map(counted_evidence(results, thresholds), results), unknown])
     log_prior = np.log([share[len(r.effects)] for r in results] + [prior["unknown"]])
     score = evidence / thresholds["temperature"] + log_prior
     found = dict(zip(keys, np.exp(score - logsumexp(score)).tolist(), strict=True))
@@ -67,6 +57,25 @@ def probabilities(
             found[result.effects] -= doubt
             found[UNKNOWN] += doubt
     return found
+
+
+def counted_evidence(
+    results: Sequence[CandidateResult], thresholds: Mapping[str, Any]
+) -> Callable[[CandidateResult], float]:
+    """What of a result's evidence [nats] counts beside ``results`` (as they are when it is asked), as ``probabilities``
+    compares them: with a nameless remainder where one is allowed, and of the base model where it was fitted best."""
+    cost = float(thresholds["remainder_cost"])
+
+    def counted(result: CandidateResult) -> float:
+        if not result.effects:
+            return max(r.log_evidence_without for r in results)
+        if any(
+            set(r.effects) < set(result.effects) and r.gap_left_out < result.gap_left_out for r in results
+        ):
+            return result.log_evidence
+        return float(np.logaddexp(result.log_evidence, result.log_evidence_open - cost))
+
+    return counted
 
 
 def by_effect(weights: Mapping[tuple[str, ...], float]) -> dict[str, float]:
