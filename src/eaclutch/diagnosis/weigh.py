@@ -29,9 +29,9 @@ def probabilities(
     ``results`` hold the base model (no effects; its open evidence is that of ``unknown``) and every single and
     pair that was fitted. A named set may leave a nameless remainder, which costs it ``remainder_cost`` nats: its
     law is not the library's, but it is still the cause. An effect that the library lacks must do better than
-    that by itself. A set that predicts left-out conditions worse than the base model, or a pair than one of its two,
-    may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a block is given
-    up. And a name whose fit fails the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence
+    that by itself. A set that predicts left-out conditions worse than the base model, or a pair clearly worse than one
+    of its two, may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a block
+    is given up. And a name whose fit fails the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence
     only says who is best.
     """
     prior = thresholds["prior"]
@@ -65,13 +65,13 @@ def counted_evidence(
     """What of a result's evidence [nats] counts beside ``results`` (as they are when it is asked), as ``probabilities``
     compares them: with a nameless remainder where one is allowed, and of the base model where it was fitted best."""
     cost = float(thresholds["remainder_cost"])
+    slack = 1.0 + float(thresholds["pair_widening"])
 
     def counted(result: CandidateResult) -> float:
         if not result.effects:
             return max(r.log_evidence_without for r in results)
-        if any(
-            set(r.effects) < set(result.effects) and r.gap_left_out < result.gap_left_out for r in results
-        ):
+        smaller = [r for r in results if set(r.effects) < set(result.effects)]
+        if any(r.gap_left_out * (slack if r.effects else 1.0) < result.gap_left_out for r in smaller):
             return result.log_evidence
         return float(np.logaddexp(result.log_evidence, result.log_evidence_open - cost))
 
