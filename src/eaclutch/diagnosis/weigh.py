@@ -30,9 +30,9 @@ def probabilities(
     pair that was fitted. A named set may leave a nameless remainder, which costs it ``remainder_cost`` nats: its
     law is not the library's, but it is still the cause. An effect that the library lacks must do better than
     that by itself. A set that predicts left-out conditions worse than the base model, or a pair clearly worse than one
-    of its two, may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a block
-    is given up. And a name whose fit fails the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence
-    only says who is best.
+    of its two, may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a
+    block is given up. And a name whose fit fails the absolute check gives ``misfit_share`` of its probability to
+    ``unknown``: evidence only says who is best.
     """
     prior = thresholds["prior"]
     singles = [r for r in results if len(r.effects) == 1]
