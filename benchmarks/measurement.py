@@ -13,14 +13,18 @@ from eaclutch.files import write_json
 FOLDER = Path(__file__).resolve().parents[1] / "docs" / "measurements"
 
 
+def commit() -> str:
+    """The commit that is measured."""
+    return subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True,
+                          cwd=FOLDER.parent).stdout.strip()  # fmt: skip
+
+
 def record(name: str, command: str, values: Mapping[str, object]) -> None:
     """Write one measurement; ``values`` must be plain JSON."""
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], capture_output=True, text=True, check=True,
-                            cwd=FOLDER.parent).stdout.strip()  # fmt: skip
     head = {
         "command": command,
         "date": datetime.now(UTC).date().isoformat(),
-        "commit": commit,
+        "commit": commit(),
         "cpu": platform.machine(),
     }
     FOLDER.mkdir(parents=True, exist_ok=True)

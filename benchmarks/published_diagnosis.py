@@ -3,7 +3,8 @@
     python benchmarks/published_diagnosis.py --campaign ../shared/published --results results/published --record
 
 prints a table and records docs/measurements/published_checks.json. ``--results`` is the folder that the published
-config's run has filled. Each check is kept in ``--work`` as soon as it is done, so that an interrupted call goes on.
+config's run has filled. Each check is kept in ``--work`` as soon as it is done, so that an interrupted call goes on;
+it says which commit it is of.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 import numpy as np
-from measurement import record
+from measurement import commit, record
 
 from eaclutch.config import load_bench
 from eaclutch.diagnosis.conclude import conclude
@@ -72,7 +73,7 @@ def keep(job: tuple[str, DiagnosisInputs, Path]) -> tuple[str, dict[str, Any]]:
     """One check, done unless its file is there; its name and verdict."""
     name, inputs, path = job
     if not path.is_file():
-        write_json(path, check(inputs, name == "full"))
+        write_json(path, {"commit": commit(), **check(inputs, name == "full")})
     return name, read_json(path)["verdict"]
 
 
