@@ -55,7 +55,8 @@ def test_the_folder_reads_back(case: Case, tmp_path: Path) -> None:
     assert max(bench.substrates["brass"].thickness) == pytest.approx(6e-3)
     columns = pd.read_csv(tmp_path / "runs.csv").columns
     row = extract(record(case, 0, faulty=False, rng=generator("test", 5, "x")), bench)
-    assert set(columns) == set(library_table([row], bench).columns)
+    # the generator's reading of a slip does not know of a zero that it does not know
+    assert set(columns) == set(library_table([row], bench).columns) - {"slip_fraction_sd_zero_known"}
 
 
 def test_tables_and_logs_tell_the_same(case: Case, table: pd.DataFrame, tmp_path: Path) -> None:
