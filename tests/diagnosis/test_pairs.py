@@ -4,10 +4,11 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import pytest
 
 from diagnosis.simulated import inputs
 from eaclutch.diagnosis.fit import scout_shifts
-from eaclutch.diagnosis.pairs import _leaders, weigh_pairs
+from eaclutch.diagnosis.pairs import _afresh, _leaders, weigh_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import counted_evidence
@@ -45,6 +46,26 @@ def test_a_base_fit_that_did_better_elsewhere_does_not_end_the_search_for_more()
     )
     results = [base, single]
     assert _leaders(results, counted_evidence(results, load_thresholds())) == [1]
+
+
+def test_what_needed_wide_tolerances_is_fitted_afresh_and_nothing_else_is():
+    made = []
+    study = SimpleNamespace(
+        thresholds=load_thresholds(), weigh=lambda *given, **how: made.append((given, how))
+    )
+    assert _afresh(study, SimpleNamespace(effects=("gap_tilt",), multipliers=(2.0, 1.0))) == [] == made
+    assert len(_afresh(study, SimpleNamespace(effects=("gap_tilt",), multipliers=(4.0, 1.0)))) == 1
+    assert made == [((("gap_tilt",),), {"afresh": True})]
+
+
+def test_a_fit_made_afresh_needs_no_base_fit():
+    study = Study(
+        inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}), load_thresholds(), seed=3
+    )
+    afresh = study.fit(("series_compliance",), afresh=True)
+    assert "base" not in study.__dict__
+    usual = study.fit(("series_compliance",))
+    assert afresh.log_evidence == pytest.approx(usual.log_evidence, abs=1.0)
 
 
 def test_only_the_second_effect_is_scouted_on_top_of_the_first():

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, total_gap
-from eaclutch.diagnosis.gate import adequacy, simulate_null
+from eaclutch.diagnosis.gate import simulate_null
 from eaclutch.diagnosis.gaussian import leave_out
 from eaclutch.diagnosis.localise import localise
 from eaclutch.diagnosis.next_experiment import next_experiments
@@ -31,7 +31,6 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
     strict = study.kernels.total(tolerance=0.0, session=study.session_spread, scatter=False)
     strict += np.diag(study.repeat_variance - study.kernels.noise_variance)
     null = simulate_null(linearised, strict, study.generator(11), CAMPAIGNS)
-    gate_p, _ = adequacy(linearised, left, np.where(study.data.condition != "", study.data.block, ""), null)
     weights = probabilities(results, study.thresholds)
     notes = caveats(study)
     verdict = decide(weights, results, study.thresholds, notes)
@@ -67,7 +66,7 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
             {"effects": list(effects), "probability": weights[effects]}
             for effects in sorted(weights, key=lambda e: -weights[e])
         ],
-        "causes": causes(study, results, weights, squares, gate_p),
+        "causes": causes(study, results, weights, squares),
         "verdict": {
             "effects": list(verdict.effects), "probability": verdict.probability,
             "alternatives": [list(a) for a in verdict.alternatives], "why": verdict.why,
@@ -103,7 +102,6 @@ def causes(
     results: Sequence[CandidateResult],
     weights: Mapping[tuple[str, ...], float],
     squares: FloatArray,
-    gate_p: float,
 ) -> list[dict[str, Any]]:
     """One entry a candidate, and one each for ``unknown`` and ``none``, the most probable first."""
     base = next(r for r in results if r.effects == NONE)
@@ -121,8 +119,7 @@ def causes(
                 "delta_elpd_se": float(np.std(gain, ddof=1) * np.sqrt(len(gain))) if len(gain) > 1 else 0.0,
                 "closure": closure["shrinkage"], "closure_interval": closure["interval"],
                 "adequate_after": bool(
-                    (result.adequate_p if name in single else gate_p)
-                    >= study.thresholds["verdict"]["adequate_p_value"]
+                    result.adequate_p >= study.thresholds["verdict"]["adequate_p_value"]
                 ),
                 "parameters": dict(result.parameters) if name in single else {},
                 "indistinguishable_from": indistinguishable(name, single, weights, study.thresholds),

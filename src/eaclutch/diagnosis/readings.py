@@ -21,7 +21,7 @@ from eaclutch.diagnosis.data import DataVector
 from eaclutch.physics.effect import Parameter, Prior
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import FloatArray, RunConditions
-from eaclutch.rig.zero import UNKNOWN_SD
+from eaclutch.rig.zero import UNKNOWN_ZERO_SD
 
 LARGEST_ZERO = 0.2  # N
 PREFIX = "force_zero_"
@@ -63,7 +63,7 @@ class Readings:
         """One zero a session [N], and by how much peaks exceed the typical slip."""
         zeros = tuple(
             Parameter(
-                f"{PREFIX}{s}", "N", (-LARGEST_ZERO, LARGEST_ZERO), 0.0, Prior("normal", 0.0, UNKNOWN_SD)
+                f"{PREFIX}{s}", "N", (-LARGEST_ZERO, LARGEST_ZERO), 0.0, Prior("normal", 0.0, UNKNOWN_ZERO_SD)
             )
             for s in self.sessions
         )

@@ -154,9 +154,9 @@ def summarise(
     left = leave_out(with_readings(fitted, readings), groups)
     # a tolerance as wide as the gap would let any fit pass the check
     usual = with_readings(fitted, readings, usual=True)
+    left_usual = left if fitted.usual is fitted.linearised else leave_out(usual, groups)
     null = simulate_null(usual, usual.covariance, rng, campaigns=200)
-    runs = data.condition != ""
-    adequate, blocks = adequacy(usual, leave_out(usual, groups), np.where(runs, data.block, ""), null)
+    adequate, blocks = adequacy(usual, left_usual, np.where(data.condition != "", data.block, ""), null)
     errors_left_out = left_out_errors(forward, data, fitted, left, readings)
     own, calibrated = {}, {}
     mode = fitted.mode

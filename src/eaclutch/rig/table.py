@@ -20,14 +20,8 @@ LEADING = (
     "run", "session", "condition", "substrate", "voltage_v", "frequency_hz", "width_mm", "thickness_mm", "preload_n",
 )  # fmt: skip
 TRAILING = (
-    "usable",
-    "flags",
-    "reasons",
-    "drive_duration_s",
-    "dwell_s",
-    "run_order",
-    "slip_fraction_sd_zero_known",
-)
+    "usable", "flags", "reasons", "drive_duration_s", "dwell_s", "run_order", "slip_fraction_sd_zero_known",
+)  # fmt: skip
 
 
 def observable_infos() -> list[ObservableInfo]:

@@ -14,7 +14,9 @@ SMOOTHING = 0.02  # s, one period of the stage's steps
 SHORTEST = 0.1  # s of rest that make a zero
 CLEAR = 6.0  # standard deviations by which the friction stands above it
 LARGEST = 0.2  # N: a load cell is not further off
-UNKNOWN_SD = 0.025  # N: what is known of a zero that a run does not show (rig: tens of mN between sessions)
+UNKNOWN_ZERO_SD = (
+    0.025  # N: what is known of a zero that a run does not show (rig: tens of mN between sessions)
+)
 NO_ZERO = Estimate(0.0, 0.0, "no_zero")
 
 
@@ -22,7 +24,7 @@ def find_zero(time: FloatArray, force: FloatArray, on: float) -> Estimate:
     """Mean force [N] of a flat stretch at the run's start that ends in a rise to the friction before ``on`` [s].
 
     Most runs begin in contact: then 0 +- 0 with the reason ``no_zero``; absolute forces keep their zero (contract:
-    observables), a ratio to one takes ``UNKNOWN_SD`` into its uncertainty.
+    observables), a ratio to one takes ``UNKNOWN_ZERO_SD`` into its uncertainty.
     """
     step = sample_spacing(time)
     before = force[: np.searchsorted(time, on)]

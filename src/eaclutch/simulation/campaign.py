@@ -128,7 +128,9 @@ def simulate_campaign(
     if len(set(conditions.run)) < len(conditions):
         raise InputError("plan", "two runs have the same name", "give every run a stamp of its own")
     names = sorted(set(conditions.session))
-    zeros = dict(zip(names, 0.01 + noise.zero_session * general.standard_normal(len(names)), strict=True))
+    zeros = dict(
+        zip(names, noise.zero_common + noise.zero_session * general.standard_normal(len(names)), strict=True)
+    )
     faults: dict[str, Sequence[str]] = {}
     for index, planned in enumerate(plan.runs):
         own = next(streams)

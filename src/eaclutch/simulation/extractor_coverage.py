@@ -30,11 +30,8 @@ from eaclutch.simulation.run import record_run
 VOLTAGES = (150.0, 200.0, 250.0, 300.0)
 FREQUENCIES = (0.1, 1.0, 10.0, 100.0, 1000.0, 5000.0)
 PRELOADS = (0.1, 0.5, 1.0)  # N
-ABSOLUTE = (
-    "friction_before_n",
-    "switch_off_force_n",
-    "final_force_n",
-)  # keep a zero that a run does not show
+# Forces that keep a zero that a run does not show.
+ABSOLUTE = ("friction_before_n", "switch_off_force_n", "final_force_n")
 FIRST_RUN = datetime(2030, 1, 1, 9)
 
 
@@ -124,7 +121,7 @@ def compare(
     rows = []
     for index, (run, seed) in enumerate(zip(planned, rng.integers(0, 2**31, count), strict=True)):
         settings = settings_of(run, timing, bench)
-        zero = 0.01 + math.hypot(noise.zero_session, noise.zero_run) * rng.standard_normal()
+        zero = noise.zero_common + math.hypot(noise.zero_session, noise.zero_run) * rng.standard_normal()
 
         def record(with_noise: BenchNoise, offset: float, index: int = index, seed: int = seed) -> Recording:
             own = np.random.default_rng(seed)

@@ -40,7 +40,7 @@ class LiveBench:
         self.values = {
             name: float(parameters.get(name, p.default)) for name, p in self.model.parameters.items()
         }
-        self.zero = 0.01 + self.noise.zero_session * rng.standard_normal()
+        self.zero = self.noise.zero_common + self.noise.zero_session * rng.standard_normal()
         self.runs = 0
 
     def __call__(self, setting: BenchSetting, command: Command) -> Recording:

@@ -43,6 +43,7 @@ class BenchNoise:
     pickup_rising: float = -0.04e-3  # N/V at later rising polarity edges of the sensed electrode
     pickup_falling: float = 0.023e-3  # N/V at its falling edges
     pickup_lag: int = 2  # samples from the logged edge to its pick-up
+    zero_common: float = 0.01  # N, about which the sessions' zeros lie
     zero_session: float = 0.02  # N, sd of the sessions' zeros about a common one
     zero_run: float = 0.008  # N, sd of a run's zero within its session
     force_count: float = 5.07e-5  # N a count

@@ -11,7 +11,7 @@ from eaclutch.records import FloatArray, ObservableInfo
 from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.observables._observable import Observable
 from eaclutch.rig.run_view import RunView
-from eaclutch.rig.zero import UNKNOWN_SD
+from eaclutch.rig.zero import UNKNOWN_ZERO_SD
 
 SIDE = 0.0015  # s of mean force on either side of a slip
 DURATION = 0.002  # s: a slip lasts about half a period of the load cell (0.8 ms)
@@ -50,7 +50,7 @@ def _measure(run: RunView) -> Estimate:
     value = min(fraction, max(0.0, float(np.mean(other))))
     level_sd = math.hypot(noise.sd(np.full(side, 1.0 / side)), run.zero.sd)
     own = math.hypot(sd, value * level_sd) / float(level[largest])
-    unknown_zero = value * UNKNOWN_SD / float(level[largest]) if run.zero.reason else 0.0
+    unknown_zero = value * UNKNOWN_ZERO_SD / float(level[largest]) if run.zero.reason else 0.0
     # two slips that each half takes for the largest
     apart = 0.5 * abs(other[0] - other[1]) if abs(places[0] - places[1]) > side else 0.0
     known = max(own, apart)
