@@ -121,6 +121,20 @@ def test_the_best_name_is_no_sure_name_where_its_fit_fails_the_absolute_check():
     assert sum(misfits.values()) == pytest.approx(1.0)
 
 
+def test_odds_against_what_nobody_wrote_down_count_in_part_and_order_nothing_anew():
+    thresholds = load_thresholds()
+    base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
+    base.log_evidence_without_open = -25.0
+    believed = probabilities([base, named], dict(thresholds) | {"against_unknown": 1.0})
+    found = probabilities([base, named], thresholds)
+    odds = [np.log(p[("unknown",)] / p[("gap_tilt",)]) for p in (believed, found)]
+    assert odds[1] == pytest.approx(thresholds["against_unknown"] * odds[0]) and odds[1] < 0
+    base.log_evidence_without_open = 25.0  # the other way round nothing changes
+    believed = probabilities([base, named], dict(thresholds) | {"against_unknown": 1.0})
+    assert probabilities([base, named], thresholds) == pytest.approx(believed)
+    assert max(believed, key=believed.__getitem__) == ("unknown",)
+
+
 def test_an_effect_is_as_likely_beforehand_beside_few_others_as_beside_many():
     thresholds = load_thresholds()
     few = probabilities([weighed(NONE, 0.0), weighed(("gap_tilt",), 4.0)], thresholds)

@@ -31,7 +31,9 @@ def probabilities(
     law is not the library's, but it is still the cause. An effect that the library lacks must do better than
     that by itself. A set that predicts left-out conditions worse than the base model, or a pair clearly worse than one
     of its two, may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a
-    block is given up. And a name whose fit fails the absolute check gives ``misfit_share`` of its probability to
+    block is given up. Of the nats by which the best name beats the nameless terms only a part counts
+    (``against_unknown``): these stand for all laws that nobody wrote down, and such a law may look more like a library
+    effect than like them. And a name whose fit fails the absolute check gives ``misfit_share`` of its probability to
     ``unknown``: evidence only says who is best.
     """
     prior = thresholds["prior"]
@@ -50,6 +52,9 @@ def probabilities(
     evidence = np.array([*map(counted_evidence(results, thresholds), results), unknown])
     log_prior = np.log([share[len(r.effects)] for r in results] + [prior["unknown"]])
     score = evidence / thresholds["temperature"] + log_prior
+    best = max((x for x, result in zip(score, results, strict=False) if result.effects), default=-np.inf)
+    if best > score[-1]:
+        score[-1] = best - float(thresholds["against_unknown"]) * (best - score[-1])
     found = dict(zip(keys, np.exp(score - logsumexp(score)).tolist(), strict=True))
     for result in results:
         if result.effects and result.adequate_p < thresholds["verdict"]["adequate_p_value"]:
