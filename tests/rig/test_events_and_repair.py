@@ -41,6 +41,35 @@ def test_the_driver_finishes_its_half_wave_after_the_flag(grounded_first):
     assert "voltage_outlives_flag" in events.flags
 
 
+def grounded_since(recording, on, frequency, seconds):
+    """The recording with polarity edges so that the sensed electrode is grounded ``seconds`` before voltage off."""
+    half = 0.5 / frequency
+    driven = recording.flag > 0.5
+    waves = np.floor((recording.time - on + seconds) / half).astype(int)
+    return replace(recording, voltage=np.where(driven & (waves % 2 == 1), 300.0, 2.0))
+
+
+@pytest.mark.parametrize(
+    ("frequency", "seconds"), [(1000.0, 0.1e-3), (1000.0, 0.2e-3), (10.0, 0.03), (1.0, 0.2)]
+)
+def test_a_drive_that_stops_within_its_half_wave_is_told_from_one_that_finishes_it(frequency, seconds):
+    recording, on, off = made(frequency=frequency, delay=0.1e-3)
+    events = find_events(grounded_since(recording, on, frequency, seconds))
+    assert abs(events.off - off) <= 0.51 * STEP and "voltage_outlives_flag" not in events.flags
+    finished = replace(recording, flag=(recording.time >= on) & (recording.time < off - 0.34 / frequency))
+    events = find_events(
+        replace(finished, voltage=np.where(recording.time < off - 0.5 / frequency, recording.voltage, 2.0))
+    )
+    assert abs(events.off - off) <= 1.6 * STEP and "voltage_outlives_flag" in events.flags
+
+
+def test_where_the_force_cannot_tell_when_the_drive_stopped_the_instant_is_uncertain():
+    recording, on, off = made(delay=0.3e-3)
+    events = find_events(grounded_since(recording, on, 1000.0, 0.3e-3))
+    assert "voltage_off_unsure" in events.flags
+    assert abs(events.off - off) < np.sqrt(3) * events.off_sd + STEP and events.off_sd > 0.05e-3
+
+
 @pytest.mark.parametrize("frequency", [0.1, 1000.0])
 @pytest.mark.parametrize("hole", ["before", "driven"])
 def test_a_flag_that_lost_lines_gives_way_to_the_voltage(frequency, hole):

@@ -11,6 +11,7 @@ from scipy.ndimage import uniform_filter1d
 from eaclutch.records import FloatArray, Recording
 from eaclutch.rig.columns_in_step import sample_spacing
 from eaclutch.rig.estimate import Unusable
+from eaclutch.rig.hidden_wave import outlives
 
 DC_LABEL = 0.1  # Hz, the rig's way to write DC
 LOST = "voltage_lines_lost"  # flag of a voltage column whose edges cannot be trusted
@@ -45,14 +46,15 @@ class Events:
         return max(0.0, self.off - self.stage_stop)
 
 
-def find_events(recording: Recording) -> Events:
-    """Voltage on and off of one run.
+def find_events(recording: Recording, *, in_step: bool = True) -> Events:
+    """Voltage on and off of one run; ``in_step``: whether its force column is known to stand in step with the voltage.
 
     On is the flag's rise: the sensed electrode may be the grounded one for the first half period. Off is the
-    later of the flag's fall and the sensed voltage's; where the sensed electrode is the grounded one at the end,
-    the driver still finishes its half wave, and the fall is taken from the polarity edges. A voltage that comes or
-    stays by more than half a period later than the flag shows a flag that lost lines: then the voltage counts
-    (``flag_early``), to half a period.
+    later of the flag's fall and the sensed voltage's. Where the sensed electrode is the grounded one at the end, the
+    driver may still finish its half wave: the force then tells the polarity edge from the flag (``outlives``), and
+    where it cannot, off lies anywhere between (``voltage_off_unsure``). A voltage that comes or stays by more than
+    half a period later than the flag shows a flag that lost lines: then the voltage counts (``flag_early``), to half a
+    period.
     Raises Unusable (``no_flag``, ``flag_never_falls``, ``no_voltage``, ``time_broken``).
     """
     time = recording.time
@@ -92,11 +94,17 @@ def find_events(recording: Recording) -> Events:
             before_fall[-1] <= last - 2
             and time[last] + 1.5 * step < end < time[last] + half_period + 1.5 * step
         ):
-            after = int(np.searchsorted(time, end)) - 1
-            flags.append("voltage_outlives_flag")
+            fall = 0.5 * (time[last] + time[last + 1])
+            goes_on_unseen = outlives(time, recording.force, fall, end) if in_step else True
+            if goes_on_unseen:
+                after = int(np.searchsorted(time, end)) - 1
+                flags.append("voltage_outlives_flag")
+            elif goes_on_unseen is None:
+                unsure[1] = end - fall
+                flags.append("voltage_off_unsure")
     on, on_sd, on_index = _between(time, first - 1)
     off, off_sd, off_index = _between(time, min(after, len(time) - 2))
-    # one half wave more, of the other electrode, may lie before what is sensed, and one behind it
+    # a half wave more, of the other electrode, may lie before what is sensed, and behind it
     on, off = on - 0.5 * unsure[0], off + 0.5 * unsure[1]
     on_sd, off_sd = (
         math.hypot(sd, wide / math.sqrt(12.0)) for sd, wide in zip((on_sd, off_sd), unsure, strict=True)

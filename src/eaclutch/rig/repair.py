@@ -82,7 +82,7 @@ def make_whole(recording: Recording) -> Whole:
 def _in_step(recording: Recording, lost: int) -> Whole:
     """Move the force where the shift around an event is known. Raises Unusable without events."""
     time, force = recording.time, recording.force
-    events = find_events(recording)
+    events = find_events(recording, in_step=False)
     step = sample_spacing(time)
     kept = len(force) - lost
 

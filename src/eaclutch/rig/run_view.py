@@ -77,7 +77,7 @@ class RunView:
         """The voltage's events. Raises Unusable."""
         if "time_broken" in self.whole.recording.flags:
             raise Unusable("time_broken")
-        return find_events(self.whole.recording)
+        return find_events(self.whole.recording, in_step=self.whole.off_shift == 0.0)
 
     @cached_property
     def force_on(self) -> float:

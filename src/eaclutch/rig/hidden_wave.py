@@ -1,0 +1,37 @@
+"""Does the drive finish its half wave where the sensed electrode is the grounded one? Only the force shows it."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from eaclutch.records import FloatArray
+
+HELD = 0.003  # s before the flag falls that give the level held
+SETTLED = (0.01, 0.11)  # s after the half wave's end that give the last level
+QUIET = 0.1  # s before the flag falls that give the noise
+LEFT = 0.05  # of its way that a force has done where it has left its hold, beyond noise
+CLEAR = 4.0  # standard deviations
+RELEASED = 0.0015  # s after which a released force swings round its last level
+UNSEEN = 0.0003  # s for which a force may hold by itself, the film still closed
+
+
+def outlives(time: FloatArray, force: FloatArray, fall: float, end: float) -> bool | None:
+    """Whether the voltage went on from the flag's ``fall`` to its half wave's ``end`` [s]; None where that is unclear.
+
+    ``time`` [s] and ``force`` [N], (samples,). A force that has left its hold before the end was released before; one
+    that still holds there was driven until then, unless the two are so close that the film would not have opened yet.
+    """
+    step = float(time[1] - time[0])
+    marks = [fall - QUIET, fall - HELD, fall, end - 1.5 * step, end + 0.5 * step, *(end + s for s in SETTLED)]
+    quiet, before, at, first, last, early, late = np.searchsorted(time, marks)
+    windows = [force[quiet:at], force[before:at], force[first:last], force[early:late]]
+    if any(len(part) == 0 or not np.isfinite(part).all() for part in windows):
+        return None
+    noise = 1.4826 * float(np.median(np.abs(np.diff(windows[0])))) / np.sqrt(2.0)
+    held, way = float(np.median(windows[1])), float(np.median(windows[1]) - np.median(windows[3]))
+    if way < CLEAR * noise:
+        return None
+    done = (held - float(np.mean(windows[2]))) / way
+    if done > (0.5 if end - fall > RELEASED else LEFT + CLEAR * noise / (np.sqrt(len(windows[2])) * way)):
+        return False
+    return True if end - fall > UNSEEN else None
