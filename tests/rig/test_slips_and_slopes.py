@@ -54,6 +54,22 @@ def test_a_zero_that_the_run_does_not_show_widens_the_fraction():
     assert unknown.sd == pytest.approx(0.2 * 0.025, rel=0.02)
 
 
+@pytest.mark.parametrize(("drop", "period"), [(0.2, 0.03), (0.08, 0.01)])
+def test_a_slip_is_measured_from_its_top_to_its_bottom_though_the_force_climbs_all_the_while(drop, period):
+    quiet, fall = Made(frequency=0.1, capacity=0.5, hold=0.5, ramp=50.0, friction=0.0, final=0.0), 0.8e-3
+    found = []
+    for seed in range(6):
+        recording, on, off = make_run(quiet, np.random.default_rng(seed))
+        phase = (recording.time - on) % period
+        slipping = 0.5 * (1.0 - np.cos(np.pi * phase / fall))
+        below = drop * np.where(phase < fall, slipping, (period - phase) / (period - fall))
+        driven = (recording.time > on + 0.05) & (recording.time < off)
+        row = extract(replace(recording, force=recording.force - np.where(driven, below, 0.0)), Bench("test"))
+        found.append((row["slip_fraction"], row["slip_fraction_sd_zero_known"]))
+    value, sd = np.mean(found, axis=0)
+    assert value == pytest.approx(drop / 0.5, abs=0.012) and sd < 0.03
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_the_slope_of_a_force_that_slips_is_that_of_all_its_samples(seed):
     quiet = Made(frequency=100.0, white=1e-4, mains=0.0, capacity=0.3, hold=0.3)

@@ -19,7 +19,7 @@ from eaclutch.rig.extract import extract
 from eaclutch.rig.observables import OBSERVABLES
 from eaclutch.rig.observables.hold import CREEP_WINDOW, SHORTEST_CREEP, STAGE_SETTLING
 from eaclutch.rig.observables.ringdown import END, START
-from eaclutch.rig.observables.slip import CLEAR, slips
+from eaclutch.rig.observables.slip import CLEAR, DURATION
 from eaclutch.rig.swing import fit_swing
 from eaclutch.simulation.campaign import conditions_of, settings_of
 from eaclutch.simulation.drive_signal import clock, half_wave
@@ -75,9 +75,10 @@ def truth_of(clean: Recording, on: float, off: float, stage_stop: float, noise_s
     stop = max(off - CREEP_WINDOW, stage_stop + STAGE_SETTLING)
     if off - stop >= SHORTEST_CREEP:
         found["hold_creep_n_s"] = slope(stop, off)
-    step = sample_spacing(time)
-    level, drops, _ = slips(force[(time >= on + CLEAR) & (time < off - CLEAR)], step)
-    found["slip_fraction"] = float(drops.max() / level[np.argmax(drops)])
+    pushed = force[(time >= on + CLEAR) & (time < off - CLEAR)]
+    ahead = round(DURATION / sample_spacing(time))
+    drops = pushed[:-ahead] - np.lib.stride_tricks.sliding_window_view(pushed[1:], ahead).min(axis=1)
+    found["slip_fraction"] = float(drops.max() / pushed[np.argmax(drops)])
     ringing = (time >= off + START) & (time < off + END)
     swing = fit_swing(time[ringing], force[ringing], noise_sd)
     if swing is not None:
