@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from eaclutch.records import FloatArray
+from eaclutch.rig.columns_in_step import sample_spacing
+from eaclutch.rig.noise import noise_of
 
 HELD = 0.003  # s before the flag falls that give the level held
 SETTLED = (0.01, 0.11)  # s after the half wave's end that give the last level
@@ -21,17 +23,19 @@ def outlives(time: FloatArray, force: FloatArray, fall: float, end: float) -> bo
     ``time`` [s] and ``force`` [N], (samples,). A force that has left its hold before the end was released before; one
     that still holds there was driven until then, unless the two are so close that the film would not have opened yet.
     """
-    step = float(time[1] - time[0])
+    step = sample_spacing(time)
     marks = [fall - QUIET, fall - HELD, fall, end - 1.5 * step, end + 0.5 * step, *(end + s for s in SETTLED)]
     quiet, before, at, first, last, early, late = np.searchsorted(time, marks)
     windows = [force[quiet:at], force[before:at], force[first:last], force[early:late]]
     if any(len(part) == 0 or not np.isfinite(part).all() for part in windows):
         return None
-    noise = 1.4826 * float(np.median(np.abs(np.diff(windows[0])))) / np.sqrt(2.0)
-    held, way = float(np.median(windows[1])), float(np.median(windows[1]) - np.median(windows[3]))
-    if way < CLEAR * noise:
+    noise = noise_of(windows[0], step)
+    held = float(np.median(windows[1]))
+    way = held - float(np.median(windows[3]))
+    if noise is None or way < CLEAR * noise.white_sd:
         return None
     done = (held - float(np.mean(windows[2]))) / way
-    if done > (0.5 if end - fall > RELEASED else LEFT + CLEAR * noise / (np.sqrt(len(windows[2])) * way)):
+    doubt = CLEAR * noise.white_sd / (np.sqrt(len(windows[2])) * way)
+    if done > (0.5 if end - fall > RELEASED else LEFT + doubt):
         return False
     return True if end - fall > UNSEEN else None

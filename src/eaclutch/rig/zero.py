@@ -14,9 +14,8 @@ SMOOTHING = 0.02  # s, one period of the stage's steps
 SHORTEST = 0.1  # s of rest that make a zero
 CLEAR = 6.0  # standard deviations by which the friction stands above it
 LARGEST = 0.2  # N: a load cell is not further off
-UNKNOWN_ZERO_SD = (
-    0.025  # N: what is known of a zero that a run does not show (rig: tens of mN between sessions)
-)
+# What is known of a zero that a run does not show (rig: tens of mN between sessions).
+UNKNOWN_ZERO_SD = 0.025  # N
 NO_ZERO = Estimate(0.0, 0.0, "no_zero")
 
 
