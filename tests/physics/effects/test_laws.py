@@ -42,7 +42,11 @@ CASES = {
         {"coefficient": 3e-15},
         {"thinning_ratio": [0.1171875, 0.1171875, 0.029296875, 0.0]},
     ),
-    "series_compliance": ({"compliance": 1e-5}, {"series_compliance": 1e-5}),
+    # 4 mm wide: half as much to the power 1/2
+    "series_compliance": (
+        {"compliance": 1e-5, "width_exponent": 0.5},
+        {"series_compliance": [1e-5, 1e-5, 7.0710678e-6, 1e-5]},
+    ),
     "substrate_inertia": ({"participation": 0.7}, {"added_mass": [2.8e-3, 2.8e-3, 5.6e-3, 2.8e-3]}),
     "stray_capacitance": ({"capacitance": 5e-12}, {"stray_capacitance": 5e-12}),
     "trigger_latency": ({"delay": 2e-4}, {"drive_delay": 2e-4}),
@@ -76,8 +80,8 @@ CASES = {
     ),
     "gas_slip": ({"mean_free_path": 1e-6}, {"slip_length": 1e-6}),
     "film_tension": (
-        {"stiffness": 2e6, "hardening": 3e10},
-        {"film_spring": 1.11e5, "film_hardening": 3e10},
+        {"stiffness": 2e6, "width_exponent": 0.5, "hardening": 3e10},
+        {"film_spring": [1.11e5, 1.11e5, 1.5697771e5, 1.11e5], "film_hardening": 3e10},
     ),
     # exp(0.75 * 0.2) on the force, exp(0.25 * 0.2) on friction, in the second session only
     "session_drift": (

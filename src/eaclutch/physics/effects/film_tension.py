@@ -1,7 +1,9 @@
 """Film tension: the film is clamped beside the strip; pulled towards it by y = h_before - h it answers with a spring
 force s y (1 + b y^2), s proportional to the overlap length: bending and pre-tension are linear, and stretching adds a
-cubic part, which for a slack, thin film is the larger one. What part of the preload it carries from the start
-cannot be seen: the preload is known from the friction before, which only feels what reaches the strip."""
+cubic part, which for a slack, thin film is the larger one. Bent down beside the strip it does not matter how wide the
+strip is; between spots under it the film is as stiff as it is wide; s grows as the width to a power in between. What
+part of the preload it carries from the start cannot be seen: the preload is known from the friction before, which only
+feels what reaches the strip."""
 
 from __future__ import annotations
 
@@ -13,11 +15,14 @@ from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
+REFERENCE_WIDTH = 2e-3  # m, the narrowest strip of the published bench
+
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """film_spring = s' L_s, film_hardening = b."""
+    """film_spring = s' L_s (w_s / w_0)^p, film_hardening = b."""
+    width = (inputs.conditions.width / REFERENCE_WIDTH) ** np.asarray(values["width_exponent"])
     return sockets.with_(
-        film_spring=sockets.film_spring + values["stiffness"] * inputs.bench.pad.overlap_length,
+        film_spring=sockets.film_spring + values["stiffness"] * inputs.bench.pad.overlap_length * width,
         film_hardening=sockets.film_hardening + values["hardening"],
     )
 
@@ -36,7 +41,15 @@ EFFECT = Effect(
             0.0,
             Prior("halfnormal", 4e5),
             neutral=0.0,
-            description="restoring force per gap closed and overlap length",
+            description="restoring force per gap closed and overlap length, of a strip 2 mm wide",
+        ),
+        Parameter(
+            "width_exponent",
+            "1",
+            (0.0, 1.0),
+            0.0,
+            Prior("uniform", 0.0, 1.0),
+            description="0: bent beside the strip, 1: bent under it, all over its width",
         ),
         Parameter(
             "hardening",
@@ -57,6 +70,7 @@ EFFECT = Effect(
     apply=apply,
     draw=lambda rng: {
         "stiffness": float(np.exp(rng.uniform(np.log(1e5), np.log(1.5e6)))),
+        "width_exponent": float(rng.uniform(0.0, 1.0)),
         "hardening": float(rng.uniform(0.0, 2e11)),
     },
 )

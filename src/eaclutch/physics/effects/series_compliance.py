@@ -1,18 +1,24 @@
 """Series compliance: film in shear, glue and mount give way under the shear force, so that the tip sees
-1 / k = 1 / k_lc + c: the ramp is slower, a stuck clutch stores more energy, the loaded load train is softer."""
+1 / k = 1 / k_lc + c: the ramp is slower, a stuck clutch stores more energy, the loaded load train is softer. The mount
+gives alike under all strips, a film in shear the less the wider the strip that shears it: c = c_0 (w_0 / w_s)^p."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
+REFERENCE_WIDTH = 2e-3  # m, the narrowest strip of the published bench
+
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """c adds to the load train's compliance."""
-    return sockets.with_(series_compliance=sockets.series_compliance + values["compliance"])
+    """c_0 (w_0 / w_s)^p adds to the load train's compliance."""
+    width = (REFERENCE_WIDTH / inputs.conditions.width) ** np.asarray(values["width_exponent"])
+    return sockets.with_(series_compliance=sockets.series_compliance + values["compliance"] * width)
 
 
 EFFECT = Effect(
@@ -29,7 +35,15 @@ EFFECT = Effect(
             0.0,
             Prior("halfnormal", 1.5e-5),
             neutral=0.0,
-            description="elastic give in series with the load cell (whose own is 5.5e-5)",
+            description="elastic give in series with the load cell (whose own is 5.5e-5), with a strip 2 mm wide",
+        ),
+        Parameter(
+            "width_exponent",
+            "1",
+            (0.0, 1.0),
+            0.0,
+            Prior("uniform", 0.0, 1.0),
+            description="0: the mount gives, 1: the film does, in shear under the strip",
         ),
     ),
     reference=(
@@ -40,5 +54,6 @@ EFFECT = Effect(
     apply=apply,
     draw=lambda rng: {
         "compliance": rng.uniform(4e-6, 4e-5),
+        "width_exponent": float(rng.uniform(0.0, 1.0)),
     },
 )
