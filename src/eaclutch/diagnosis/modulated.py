@@ -4,8 +4,9 @@ What a library lacks is most often not a new curve for one observable: it is a f
 force that gives way at high frequency, a film that is thinner in the later sessions. Every observable then moves as
 the model says for that quantity, which a smooth term for each block by itself cannot know. The change is a Gaussian
 process over the setting; around a fit it adds (j j') * k(x, x') to the covariance, j being the derivative of the
-predictions with respect to the logarithm of the quantity. Voltage is not among the settings: most of what the library
-names acts through the field, and the force multiplier's own slope is free to follow it.
+predictions with respect to the logarithm of the quantity. Voltage and preload are not among the settings: most of what
+the library names acts through the field, and the force multiplier's own slope is free to follow it; and what changes
+with preload is edge wrap's to explain, or the smooth terms'.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from eaclutch.records import FloatArray
 
 TOGETHER = {"friction": ("film_static", "film_kinetic"), "base_friction": ("base_static", "base_kinetic")}
 SETTINGS = ("drive frequency", "voltage", "width", "preload", "run order")  # columns of ``run_features``
+NAMED = ("voltage", "preload")  # settings through which what the library names acts
 KNOTS = 8  # a smooth change over a setting needs no more
 SMALL = 1e-3  # largest move of an entry, below which a quantity says nothing here
 
@@ -122,7 +124,7 @@ def _shapes(data: DataVector, thresholds: Mapping[str, Any]) -> Iterator[tuple[s
     def of_entries(values: FloatArray) -> FloatArray:
         return np.array([values[data.groups == group].mean() for group in data.entry_group])
 
-    settings = {name: x for name, x in zip(SETTINGS, data.features[:n].T, strict=False) if name != "voltage"}
+    settings = {name: x for name, x in zip(SETTINGS, data.features[:n].T, strict=False) if name not in NAMED}
     settings["thickness"] = of_entries(np.log(runs.thickness) / scales["log_width"])
     settings["time in the campaign"] = of_entries(age / scales["order"])
     for name, x in settings.items():

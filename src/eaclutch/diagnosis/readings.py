@@ -5,7 +5,10 @@ voltage, their force at switch-off and every ratio of forces still contain the s
 free offset a session, for the runs that still hold it.
 
 The capacity is the largest force of a run, over many slips whose static friction scatters and over the noise
-that smoothing leaves: more than the typical slip, by a share and by a few mN that are free as well.
+that smoothing leaves: more than the typical slip, by a share and by a few mN that are free as well. Where static
+friction scatters by itself the largest slip falls deeper, too, for it overshoots the kinetic friction farther; where
+both scatter together it lets go the same share. Recorded slips do either: how much of the scatter is static friction's
+own is free.
 """
 
 from __future__ import annotations
@@ -19,22 +22,29 @@ import numpy as np
 from eaclutch.diagnosis.channels import Channel
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.physics.effect import Parameter, Prior
+from eaclutch.physics.laws import larger_slip
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import FloatArray, RunConditions
 from eaclutch.rig.zero import UNKNOWN_ZERO_SD
 
 LARGEST_ZERO = 0.2  # N
 PREFIX = "force_zero_"
-PEAK_SHARE, PEAK_NOISE = "largest_slip_excess", "largest_noise_excess"
+PEAK_SHARE, PEAK_NOISE, PEAK_STATIC = (
+    "largest_slip_excess",
+    "largest_noise_excess",
+    "largest_slip_static_share",
+)
 PEAKS = (
     Parameter(PEAK_SHARE, "1", (0.0, 0.3), 0.03, Prior("halfnormal", 0.05)),
     Parameter(PEAK_NOISE, "N", (0.0, 0.02), 0.003, Prior("halfnormal", 0.005)),
+    Parameter(PEAK_STATIC, "1", (0.0, 1.0), 0.5, Prior("uniform", 0.0, 1.0)),
 )
+PEAK_NAMES = tuple(parameter.name for parameter in PEAKS)
 
 
 def of_the_reading(name: str) -> bool:
     """Whether a parameter says how forces are read, and nothing of the clutch."""
-    return name.startswith(PREFIX) or name in (PEAK_SHARE, PEAK_NOISE)
+    return name.startswith(PREFIX) or name in PEAK_NAMES
 
 
 @dataclass(frozen=True)
@@ -75,8 +85,7 @@ class Readings:
 
     def without(self, named: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
         """Parameters by name, without those of the reading: what the model knows."""
-        own = (PEAK_SHARE, PEAK_NOISE)
-        return {name: v for name, v in named.items() if not name.startswith(PREFIX) and name not in own}
+        return {name: v for name, v in named.items() if not of_the_reading(name)}
 
     def predict(
         self,
@@ -118,14 +127,16 @@ class Readings:
         wanted = names if "shear_capacity_n" in names else [*names, "shear_capacity_n"]
         found = model.predict(true, named, observables=wanted, on_invalid="status").values
         values = {name: value[0] for name, value in found.items()}
-        share, noise = peaks
+        share, noise, static_share = peaks
         typical = np.maximum(values["shear_capacity_n"] + true.friction_before, 1e-3)
-        largest = typical * (1.0 + share) + noise
-        values["shear_capacity_n"] = largest - true.friction_before
+        top = typical * (1.0 + share)
+        values["shear_capacity_n"] = top + noise - true.friction_before
         if "slip_fraction" in names:
-            # the drop from the largest peak to the noisy bottom of its slip, over a force that holds the zero
-            drop = largest - typical * (1.0 - values["slip_fraction"]) + noise
-            values["slip_fraction"] = drop / np.maximum(largest + held, 0.1 * largest)
+            # the extractor's slip is no larger for noise, but over a force that holds the zero
+            typical_slip = values["slip_fraction"]
+            deeper = larger_slip(typical_slip, share, model.slip_overshoot(named).ravel())
+            fraction = typical_slip + static_share * (deeper - typical_slip)
+            values["slip_fraction"] = fraction * top / np.maximum(top + held, 0.1 * top)
         return np.stack([channel.forward(values[channel.name]) for channel in channels])
 
 

@@ -129,3 +129,17 @@ def base_preload(
     """F_pre [N] from the friction before the voltage (paper eq. for F_preload); may come out negative."""
     weight = GRAVITY * (np.asarray(base_kinetic) * substrate_mass + np.asarray(film_kinetic) * film_mass)
     return (friction_before - weight) / (np.asarray(film_kinetic) + base_kinetic)
+
+
+def slip_overshoot(stiffness: Quantity, mass: Quantity, damping: Quantity) -> FloatArray:
+    """Share rho by which a slip overshoots: F_min = F_kin - rho (F_stat - F_kin), with rho = exp(-pi z / sqrt(1 - z^2))
+    and the load cell's damping ratio z = b / (2 sqrt(k m)); 0 where it does not swing."""
+    ratio = np.minimum(np.asarray(damping) / (2.0 * np.sqrt(np.asarray(stiffness) * mass)), 1.0 - 1e-12)
+    return np.asarray(np.exp(-np.pi * ratio / np.sqrt(1.0 - ratio**2)))
+
+
+def larger_slip(fraction: Quantity, excess: Quantity, overshoot: Quantity) -> FloatArray:
+    """Fraction of the force that a slip lets go whose static capacity lies by ``excess`` (a share of it) above that of
+    a slip that lets go ``fraction``. The kinetic friction is the same: it also falls deeper, by rho ``excess``."""
+    excess = np.asarray(excess)
+    return np.asarray((fraction + excess * (1.0 + overshoot)) / (1.0 + excess))

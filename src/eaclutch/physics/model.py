@@ -188,6 +188,14 @@ class ClutchModel:
             weight = np.ones((1, 1))
         return values["kappa_static"] + weight * (relaxed - values["kappa_static"])
 
+    def slip_overshoot(self, values: Mapping[str, ArrayLike]) -> FloatArray:
+        """Share by which a slip overshoots the kinetic friction, for parameters by name (missing ones: default), with
+        the bare load cell's damping; 0 without its dynamics."""
+        if "load_cell_dynamics" not in self.effects:
+            return np.zeros(())
+        given = (values.get(n, self.parameters[n].default) for n in ("stiffness", "mass", "damping"))
+        return laws.slip_overshoot(*(np.asarray(value, dtype=float) for value in given))
+
     def capacitance(
         self, force: ArrayLike, width: ArrayLike, parameters: Mapping[str, ArrayLike] | None = None
     ) -> FloatArray:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from eaclutch.physics import laws
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.physics.sockets import Sockets
 
@@ -50,9 +51,11 @@ CASES = {
     "substrate_inertia": ({"participation": 0.7}, {"added_mass": [2.8e-3, 2.8e-3, 5.6e-3, 2.8e-3]}),
     "stray_capacitance": ({"capacitance": 5e-12}, {"stray_capacitance": 5e-12}),
     "trigger_latency": ({"delay": 2e-4}, {"drive_delay": 2e-4}),
+    # a half wave of 0.5 ms loses tanh(x) / x of its mean square at 35 us, x = 7.142857: 0.14, half of which counts
     "slow_drive": (
-        {"resistance": 1e6, "voltage_exponent": 0.5},
+        {"resistance": 1e6, "voltage_exponent": 0.5, "reversal_share": 0.5},
         {
+            "force_factor": [0.93000009, 0.9999930, 0.99901005, 0.99595855],
             "rise_time_constant": [35e-6, 35e-6, 49.4974747e-6, 2.02072594e-6],
             "fall_time_constant": [35e-6, 35e-6, 49.4974747e-6, 2.02072594e-6],
         },
@@ -109,6 +112,15 @@ CASES = {
 }
 
 
+def test_a_larger_slip_overshoots_farther():
+    """F_min = F_kin - rho (F_stat - F_kin): 1 N against 0.75 N at rho 0.8 ends at 0.55 N; 1.1 N at 0.47 N."""
+    np.testing.assert_allclose(laws.larger_slip(0.45, 0.1, 0.8), (1.1 - 0.47) / 1.1, rtol=1e-12)
+    np.testing.assert_allclose(laws.larger_slip(0.45, 0.0, 0.8), 0.45, rtol=1e-12)
+    # k 18 018 N/m, m 1.1 g, b 0.43 kg/s: damping ratio 0.0482931
+    np.testing.assert_allclose(laws.slip_overshoot(18018.0, 1.1e-3, 0.43), 0.8590778, rtol=1e-6)
+    assert laws.slip_overshoot(1.0, 1.0, 5.0) == 0.0
+
+
 def test_every_effect_has_worked_numbers():
     assert set(CASES) == set(EFFECTS)
 
@@ -128,6 +140,23 @@ def test_slow_drive_adds_to_the_drive_that_is_there(fill):
     )
     np.testing.assert_allclose(filled.rise_time_constant, [7.5e-6, 7.5e-6, 11e-6, 7.5e-6])
     np.testing.assert_allclose(filled.fall_time_constant, [5.5e-6, 5.5e-6, 9e-6, 5.5e-6])
+
+
+def test_a_slow_drive_costs_what_the_base_does_not_at_reversals(fill, inputs):
+    """Mean square of the exponential response to a square wave, by quadrature, beside the base's own."""
+    object.__setattr__(inputs.conditions, "frequency", np.full(4, 10e3))
+
+    def mean_square(time_constant: float, half: float = 50e-6) -> float:
+        t = np.linspace(0.0, half, 200_001)
+        v = 1.0 - 2.0 * np.exp(-t / time_constant) / (1.0 + np.exp(-half / time_constant))
+        return float(np.trapezoid(v**2, t) / half)
+
+    drive = Sockets(rise_time_constant=4e-6, force_factor=2.0)
+    filled = fill("slow_drive", sockets=drive, resistance=3e5, reversal_share=1.0)
+    expected = 2.0 * mean_square(4e-6 + 3e5 * 35e-12) / mean_square(4e-6)
+    np.testing.assert_allclose(np.asarray(filled.force_factor)[0], expected, rtol=1e-8)
+    slow_on_and_off = fill("slow_drive", sockets=drive, resistance=3e5, reversal_share=0.0)
+    np.testing.assert_array_equal(slow_on_and_off.force_factor, 2.0)
 
 
 def test_dipoles_keep_up_with_a_slow_edge(fill, inputs):

@@ -1,7 +1,11 @@
 """Slow drive: the pad's voltage lags by R C (V / 300 V)^p with C the closed pad's capacitance, so by more the wider
 the strip. p is 0 for a resistance in series with the pad, and 1 for a supply that is limited in current, whose slew
 takes C V / I; supplies lie in between. The film's dipoles keep up with an edge that is slower than they are. Two
-poles in a row are taken as one with the sum of the times."""
+poles in a row are taken as one with the sum of the times.
+
+What is in front of the pad slows every reversal of polarity, too, and the force averages over them: a pad that follows
+a square wave of half period T with time constant t keeps 1 - tanh(x) / x of its mean square voltage, x = T / (2 t).
+What only switches on and off slows none; a supply behind a bridge slows a share."""
 
 from __future__ import annotations
 
@@ -14,17 +18,29 @@ from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
 REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
+SHORTEST = 1e-12  # s, a step
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """Both time constants grow by R C (V / V_0)^p."""
+    """Both time constants grow by R C (V / V_0)^p; what that costs at reversals beyond the base's scales the force."""
     voltage = np.maximum(inputs.conditions.voltage, 1.0) / REFERENCE_VOLTAGE
     lag = values["resistance"] * inputs.capacitance * voltage ** np.asarray(values["voltage_exponent"])
+    half = 0.5 / inputs.conditions.frequency
+    kept = _mean_square(sockets.rise_time_constant + lag, half) / _mean_square(
+        sockets.rise_time_constant, half
+    )
     return sockets.with_(
+        force_factor=sockets.force_factor * (1.0 - values["reversal_share"] * (1.0 - kept)),
         rise_time_constant=sockets.rise_time_constant + lag,
         fall_time_constant=sockets.fall_time_constant + lag,
         field_lag=sockets.field_lag + lag,
     )
+
+
+def _mean_square(time_constant: FloatArray | float, half_period: FloatArray) -> FloatArray:
+    """Mean square over the drive's of a voltage that follows a square wave with ``time_constant`` [s]."""
+    x = half_period / (2.0 * np.maximum(time_constant, SHORTEST))
+    return np.asarray(1.0 - np.tanh(x) / x)
 
 
 EFFECT = Effect(
@@ -51,6 +67,14 @@ EFFECT = Effect(
             Prior("uniform", 0.0, 1.0),
             description="0: a resistance, 1: a current limit",
         ),
+        Parameter(
+            "reversal_share",
+            "1",
+            (0.0, 1.0),
+            1.0,
+            Prior("uniform", 0.0, 1.0),
+            description="1: reversals of polarity are as slow and cost force at high frequency, 0: only on and off are",
+        ),
     ),
     reference=(
         "Hinchet & Shea, Adv. Mater. Technol. 5 (2020) 1900895, doi:10.1002/admt.201900895 (RC of a clutch); "
@@ -61,5 +85,6 @@ EFFECT = Effect(
     draw=lambda rng: {
         "resistance": float(np.exp(rng.uniform(np.log(1e6), np.log(1.5e7)))),
         "voltage_exponent": float(rng.uniform(0.0, 1.0)),
+        "reversal_share": float(rng.uniform(0.0, 1.0)),
     },
 )

@@ -1,0 +1,49 @@
+"""What a run's largest slip shows of friction that scatters from slip to slip."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from diagnosis.simulated import BENCH, inputs
+from eaclutch.diagnosis.channels import CHANNELS
+from eaclutch.diagnosis.readings import Readings
+from eaclutch.physics.effects import BASE
+from eaclutch.physics.model import ClutchModel
+from eaclutch.rig.table import conditions_from_runs
+
+CHANNEL = [channel for channel in CHANNELS if channel.name in ("shear_capacity_n", "slip_fraction")]
+
+
+@pytest.fixture(scope="module")
+def read():
+    """``read(**peaks)``: capacity [N] and slip fraction of each run, (2, runs)."""
+    model, conditions = ClutchModel(BENCH, BASE), conditions_from_runs(inputs().table, BENCH)
+    readings = Readings((), np.full(len(conditions), -1), peaks=True)
+
+    def predict(**peaks: float) -> np.ndarray:
+        named = {"film_static": np.array([0.19])} | {name: np.array([value]) for name, value in peaks.items()}
+        found = readings.predict(model, conditions, named, CHANNEL)[0]
+        return np.stack([channel.backward(row) for channel, row in zip(CHANNEL, found, strict=True)])
+
+    return predict
+
+
+def test_friction_that_scatters_as_a_whole_lets_go_the_same_share(read):
+    typical, largest = read(), read(largest_slip_excess=0.1, largest_slip_static_share=0.0)
+    assert np.all(largest[0] > typical[0])
+    np.testing.assert_allclose(largest[1], typical[1], rtol=1e-12)
+
+
+def test_static_friction_that_scatters_by_itself_falls_deeper(read):
+    """F_min = F_kin - rho (F_stat - F_kin) with F_kin as it was: top and bottom of both slips lie on that line."""
+    typical = read()
+    largest = read(largest_slip_excess=0.1, largest_slip_static_share=1.0)
+    before = conditions_from_runs(inputs().table, BENCH).friction_before
+    tops = typical[0] + before, largest[0] + before
+    bottoms = tops[0] * (1 - typical[1]), tops[1] * (1 - largest[1])
+    np.testing.assert_allclose((bottoms[0] - bottoms[1]) / (tops[1] - tops[0]), 0.8598927, rtol=1e-6)
+
+
+def test_noise_on_the_largest_force_makes_no_slip_larger(read):
+    np.testing.assert_allclose(read(largest_noise_excess=0.01)[1], read()[1], rtol=1e-12)
