@@ -5,7 +5,7 @@ poles in a row are taken as one with the sum of the times.
 
 What is in front of the pad slows every reversal of polarity, too, and the force averages over them: a pad that follows
 a square wave of half period T with time constant t keeps 1 - tanh(x) / x of its mean square voltage, x = T / (2 t).
-What only switches on and off slows none; a supply behind a bridge slows a share."""
+What only switches on and off slows none, so the time constant of reversals is that of the edges times a ratio."""
 
 from __future__ import annotations
 
@@ -26,11 +26,10 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
     voltage = np.maximum(inputs.conditions.voltage, 1.0) / REFERENCE_VOLTAGE
     lag = values["resistance"] * inputs.capacitance * voltage ** np.asarray(values["voltage_exponent"])
     half = 0.5 / inputs.conditions.frequency
-    kept = _mean_square(sockets.rise_time_constant + lag, half) / _mean_square(
-        sockets.rise_time_constant, half
-    )
+    slower = sockets.rise_time_constant + values["reversal_ratio"] * lag
+    kept = _mean_square(slower, half) / _mean_square(sockets.rise_time_constant, half)
     return sockets.with_(
-        force_factor=sockets.force_factor * (1.0 - values["reversal_share"] * (1.0 - kept)),
+        force_factor=sockets.force_factor * kept,
         rise_time_constant=sockets.rise_time_constant + lag,
         fall_time_constant=sockets.fall_time_constant + lag,
         field_lag=sockets.field_lag + lag,
@@ -68,12 +67,12 @@ EFFECT = Effect(
             description="0: a resistance, 1: a current limit",
         ),
         Parameter(
-            "reversal_share",
+            "reversal_ratio",
             "1",
-            (0.0, 1.0),
-            1.0,
-            Prior("uniform", 0.0, 1.0),
-            description="1: reversals of polarity are as slow and cost force at high frequency, 0: only on and off are",
+            (1e-4, 1.0),
+            0.1,
+            Prior("lognormal", 0.1, 2.0),
+            description="lag at reversals of polarity, which costs force at high frequency, over that at on and off",
         ),
     ),
     reference=(
@@ -85,6 +84,6 @@ EFFECT = Effect(
     draw=lambda rng: {
         "resistance": float(np.exp(rng.uniform(np.log(1e6), np.log(1.5e7)))),
         "voltage_exponent": float(rng.uniform(0.0, 1.0)),
-        "reversal_share": float(rng.uniform(0.0, 1.0)),
+        "reversal_ratio": float(np.exp(rng.uniform(np.log(1e-3), 0.0))),
     },
 )
