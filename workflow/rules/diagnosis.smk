@@ -50,7 +50,8 @@ rule diagnosis_candidate:
         "diagnosis: weigh {wildcards.candidate}"
     shell:
         "eaclutch --log {log} diagnosis-candidate {wildcards.candidate} --campaign {params.campaign:q}"
-        " --results {params.results:q} --settings {params.settings:q} --seed {params.seed} --output {output:q}"
+        " --results {params.results:q} --settings {params.settings:q} --seed {params.seed} --gap {input.gap:q}"
+        " --output {output:q}"
 
 
 rule diagnosis:
@@ -73,7 +74,8 @@ rule diagnosis:
         "diagnosis: the verdict"
     shell:
         "eaclutch --log {log} diagnosis --campaign {params.campaign:q} --results {params.results:q}"
-        " --settings {params.settings:q} --seed {params.seed} --output {output:q} {input.candidates:q}"
+        " --settings {params.settings:q} --seed {params.seed} --gap {input.gap:q} --output {output:q}"
+        " {input.candidates:q}"
 
 
 rule diagnosis_full:

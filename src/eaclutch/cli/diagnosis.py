@@ -49,9 +49,13 @@ def _common(command: Any) -> Any:
     return command
 
 
-def _study(campaign: Path, results: Path, settings: str, seed: int) -> Study:
+_GAP = click.option("--gap", type=_FILE, help="gap.json of these results: its first fit is not done again.")
+
+
+def _study(campaign: Path, results: Path, settings: str, seed: int, gap: Path | None = None) -> Study:
     chosen = parse_settings(settings)
-    return Study(read_inputs(results, load_bench(campaign), chosen), load_thresholds(), seed)
+    first_fit = read_json(gap)["first_fit"] if gap else None
+    return Study(read_inputs(results, load_bench(campaign), chosen), load_thresholds(), seed, first_fit)
 
 
 @click.command("diagnosis-gap")
@@ -60,28 +64,43 @@ def diagnosis_gap(campaign: Path, results: Path, settings: str, seed: int, outpu
     """Is there a gap beyond repeatability? The base model's fit (gap.json)."""
     study = _study(campaign, results, settings, seed)
     base = study.weigh(())
-    write_json(output, {"schema": 1, "summary": gap_summary(study, base), "base": base.document()})
+    document = {"schema": 1, "summary": gap_summary(study, base), "base": base.document()}
+    write_json(output, document | {"first_fit": study.first_fit})
 
 
 @click.command("diagnosis-candidate")
 @click.argument("effects", nargs=-1, required=True)
+@_GAP
 @_common
 def diagnosis_candidate(
-    effects: tuple[str, ...], campaign: Path, results: Path, settings: str, seed: int, output: Path
+    effects: tuple[str, ...],
+    campaign: Path,
+    results: Path,
+    settings: str,
+    seed: int,
+    output: Path,
+    gap: Path | None,
 ) -> None:
     """Weigh one candidate (or two together) jointly with the calibrated parameters."""
-    study = _study(campaign, results, settings, seed)
+    study = _study(campaign, results, settings, seed, gap)
     write_json(output, study.weigh(effects).document())
 
 
 @click.command("diagnosis")
 @click.argument("candidates", nargs=-1, type=_FILE)
+@_GAP
 @_common
 def diagnosis(
-    candidates: tuple[Path, ...], campaign: Path, results: Path, settings: str, seed: int, output: Path
+    candidates: tuple[Path, ...],
+    campaign: Path,
+    results: Path,
+    settings: str,
+    seed: int,
+    output: Path,
+    gap: Path | None,
 ) -> None:
     """The verdict from all weighed CANDIDATES (diagnosis.json)."""
-    study = _study(campaign, results, settings, seed)
+    study = _study(campaign, results, settings, seed, gap)
     found = [study.weigh(())] + [CandidateResult.read(read_json(path)) for path in candidates]
     pairs = parse_settings(settings).get("diagnosis", {}).get("pairs", 6)
     write_json(output, conclude(study, with_pairs(study, found, pairs)))

@@ -68,9 +68,18 @@ class DiagnosisInputs:
 
 
 class Study:
-    """Everything that hypotheses share; built once a job, deterministic."""
+    """Everything that hypotheses share; built once a job, deterministic.
 
-    def __init__(self, inputs: DiagnosisInputs, thresholds: Mapping[str, Any], seed: int = 1):
+    ``first_fit``: what another job's study of the same inputs found as its own (``first_fit``); worked out without it.
+    """
+
+    def __init__(
+        self,
+        inputs: DiagnosisInputs,
+        thresholds: Mapping[str, Any],
+        seed: int = 1,
+        first_fit: Mapping[str, float] | None = None,
+    ):
         self.inputs, self.thresholds, self.seed = inputs, thresholds, seed
         self.priors = {**thresholds["priors"], **(inputs.priors or {})}
         every = inputs.candidates or tuple(name for name in EFFECTS if name not in inputs.effects)
@@ -96,7 +105,7 @@ class Study:
             )
 
         first = data()
-        self._first_fit: dict[str, float] = {}
+        self.first_fit: dict[str, float] = dict(first_fit or {})
         if first.run_entries:
             channels = list(first.channels)
             first = data(*self._explained(first))
@@ -121,9 +130,12 @@ class Study:
         """Run-level predictions of the base model after a first fit, (channels, runs), and the standard uncertainty
         that they have from the measured forces they start from."""
         forward = Forward(self.model(), first, (), self.priors)
-        fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
-        self._first_fit = fitted.parameters
-        named = {name: np.array([value]) for name, value in fitted.parameters.items()}
+        if not self.first_fit:
+            fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
+            self.first_fit = fitted.parameters
+        elif set(self.first_fit) != set(forward.priors.names):
+            raise InputError("gap.json", "is of another model or campaign", "run diagnosis-gap again")
+        named = {name: np.array([value]) for name, value in self.first_fit.items()}
         plain = forward.runs(named)[0]
         carried = np.zeros_like(plain)
         for name in ("friction_before", "switch_off_force"):
@@ -144,7 +156,7 @@ class Study:
     def base(self) -> HypothesisFit:
         """The fit of the campaign's own model."""
         return fit_hypothesis(
-            self.forward(()), self.data, self.kernels, self.thresholds, seeds=self._first_fit
+            self.forward(()), self.data, self.kernels, self.thresholds, seeds=self.first_fit
         )
 
     @cached_property
