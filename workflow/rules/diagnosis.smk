@@ -22,10 +22,11 @@ rule diagnosis_gap:
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
         code=code("diagnosis.conclude", effects=EFFECTS_ON),
+    threads: 4
     message:
         "diagnosis: is there a gap"
     shell:
-        "eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q} --results {params.results:q}"
+        "NUMBA_NUM_THREADS={threads} eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q} --results {params.results:q}"
         " --settings {params.settings:q} --seed {params.seed} --output {output:q}"
 
 
@@ -70,10 +71,11 @@ rule diagnosis:
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
         code=code("diagnosis.conclude", "diagnosis.pairs", effects=[*EFFECTS_ON, *CANDIDATES]),
+    threads: 4
     message:
         "diagnosis: the verdict"
     shell:
-        "eaclutch --log {log} diagnosis --campaign {params.campaign:q} --results {params.results:q}"
+        "NUMBA_NUM_THREADS={threads} eaclutch --log {log} diagnosis --campaign {params.campaign:q} --results {params.results:q}"
         " --settings {params.settings:q} --seed {params.seed} --gap {input.gap:q} --output {output:q}"
         " {input.candidates:q}"
 
