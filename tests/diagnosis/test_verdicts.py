@@ -119,6 +119,20 @@ def test_the_same_inputs_give_the_same_bytes():
     assert first == second
 
 
+def test_a_first_fit_that_another_job_made_is_taken_as_it_is():
+    given, thresholds = (
+        inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}),
+        load_thresholds(),
+    )
+    first = Study(given, thresholds, seed=3)
+    again = Study(given, thresholds, seed=3, first_fit=first.first_fit)
+    np.testing.assert_array_equal(first.data.noise_sd, again.data.noise_sd)
+    assert first.base.log_evidence == again.base.log_evidence
+    other = {name: value for name, value in first.first_fit.items() if name != "mass"}
+    with pytest.raises(InputError, match=r"gap\.json.*run diagnosis-gap again"):
+        Study(given, thresholds, seed=3, first_fit=other)
+
+
 def test_one_condition_in_one_session_says_what_it_cannot_tell():
     document = diagnose(inputs(conditions=CONDITIONS[:1], days=1, repeats=4))
     assert "one condition only" in document["verdict"]["why"]

@@ -22,11 +22,10 @@ rule diagnosis_gap:
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
         code=code("diagnosis.conclude", effects=EFFECTS_ON),
-    threads: 4
     message:
         "diagnosis: is there a gap"
     shell:
-        "NUMBA_NUM_THREADS={threads} eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q} --results {params.results:q}"
+        "eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q} --results {params.results:q}"
         " --settings {params.settings:q} --seed {params.seed} --output {output:q}"
 
 
@@ -71,11 +70,10 @@ rule diagnosis:
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
         code=code("diagnosis.conclude", "diagnosis.pairs", effects=[*EFFECTS_ON, *CANDIDATES]),
-    threads: 4
     message:
         "diagnosis: the verdict"
     shell:
-        "NUMBA_NUM_THREADS={threads} eaclutch --log {log} diagnosis --campaign {params.campaign:q} --results {params.results:q}"
+        "eaclutch --log {log} diagnosis --campaign {params.campaign:q} --results {params.results:q}"
         " --settings {params.settings:q} --seed {params.seed} --gap {input.gap:q} --output {output:q}"
         " {input.candidates:q}"
 

@@ -22,7 +22,7 @@ RESULTS = (
     "own_switch_off",
 )  # fmt: skip
 STATUSES = ("capacity", "engagement", "release")
-WORTH_SHARING = 5_000.0  # us of work
+WORTH_SHARING = 20_000.0  # us of work
 
 
 @compiled
