@@ -63,6 +63,17 @@ def test_driven_run_by_hand(model, runs):
     assert short.values["shear_capacity_n"][0, 0] == pytest.approx(k * 0.5e-3 * 0.02)
 
 
+def test_a_larger_static_friction_falls_as_the_law_of_slips_says(model, runs):
+    """All static friction a tenth higher, kinetic as it was: what the solver lets go against the closed form."""
+    higher = model.predict(runs(), {"film_static": 1.1 * 0.188, "base_static": 1.1 * 0.281})
+    typical = model.predict(runs())
+    expected = laws.larger_slip(typical.values["slip_fraction"], 0.1, model.slip_overshoot({}))
+    assert np.all(expected > typical.values["slip_fraction"] + 0.05)
+    np.testing.assert_allclose(higher.values["slip_fraction"], expected, rtol=1e-9)
+    without = ClutchModel(model.bench, tuple(name for name in BASE if name != "load_cell_dynamics"))
+    assert without.slip_overshoot({}) == 0.0
+
+
 def test_ramp_slopes_are_least_squares(model, runs):
     """The closed form against a fit to the sawtooth of the history."""
     conditions = runs(voltage=[120.0, 300.0])

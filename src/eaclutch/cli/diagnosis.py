@@ -53,6 +53,7 @@ _GAP = click.option("--gap", type=_FILE, help="gap.json of these results: its fi
 
 
 def _study(campaign: Path, results: Path, settings: str, seed: int, gap: Path | None = None) -> Study:
+    """The study that a command's common options, and ``--gap``, ask for."""
     chosen = parse_settings(settings)
     first_fit = read_json(gap)["first_fit"] if gap else None
     return Study(read_inputs(results, load_bench(campaign), chosen), load_thresholds(), seed, first_fit)
@@ -60,47 +61,33 @@ def _study(campaign: Path, results: Path, settings: str, seed: int, gap: Path | 
 
 @click.command("diagnosis-gap")
 @_common
-def diagnosis_gap(campaign: Path, results: Path, settings: str, seed: int, output: Path) -> None:
+def diagnosis_gap(output: Path, **options: Any) -> None:
     """Is there a gap beyond repeatability? The base model's fit (gap.json)."""
-    study = _study(campaign, results, settings, seed)
+    study = _study(**options)
     base = study.weigh(())
-    document = {"schema": 1, "summary": gap_summary(study, base), "base": base.document()}
-    write_json(output, document | {"first_fit": study.first_fit})
+    summary = gap_summary(study, base)
+    write_json(
+        output,
+        {"schema": 1, "summary": summary, "base": base.document(), "first_fit": study.first_fit},
+    )
 
 
 @click.command("diagnosis-candidate")
 @click.argument("effects", nargs=-1, required=True)
 @_GAP
 @_common
-def diagnosis_candidate(
-    effects: tuple[str, ...],
-    campaign: Path,
-    results: Path,
-    settings: str,
-    seed: int,
-    output: Path,
-    gap: Path | None,
-) -> None:
+def diagnosis_candidate(effects: tuple[str, ...], output: Path, **options: Any) -> None:
     """Weigh one candidate (or two together) jointly with the calibrated parameters."""
-    study = _study(campaign, results, settings, seed, gap)
-    write_json(output, study.weigh(effects).document())
+    write_json(output, _study(**options).weigh(effects).document())
 
 
 @click.command("diagnosis")
 @click.argument("candidates", nargs=-1, type=_FILE)
 @_GAP
 @_common
-def diagnosis(
-    candidates: tuple[Path, ...],
-    campaign: Path,
-    results: Path,
-    settings: str,
-    seed: int,
-    output: Path,
-    gap: Path | None,
-) -> None:
+def diagnosis(candidates: tuple[Path, ...], output: Path, settings: str, **options: Any) -> None:
     """The verdict from all weighed CANDIDATES (diagnosis.json)."""
-    study = _study(campaign, results, settings, seed, gap)
+    study = _study(settings=settings, **options)
     found = [study.weigh(())] + [CandidateResult.read(read_json(path)) for path in candidates]
     pairs = parse_settings(settings).get("diagnosis", {}).get("pairs", 6)
     write_json(output, conclude(study, with_pairs(study, found, pairs)))

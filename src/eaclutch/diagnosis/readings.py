@@ -7,8 +7,8 @@ free offset a session, for the runs that still hold it.
 The capacity is the largest force of a run, over many slips whose static friction scatters and over the noise
 that smoothing leaves: more than the typical slip, by a share and by a few mN that are free as well. Where static
 friction scatters by itself the largest slip falls deeper, too, for it overshoots the kinetic friction farther; where
-both scatter together it lets go the same share. Recorded slips do either: how much of the scatter is static friction's
-own is free.
+both scatter together it lets go the same share. Which of the two it is nothing says beforehand, so how much of the
+scatter is static friction's own is free.
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ Stage = Literal[
     "session", "drive", "dielectric", "electrostatics", "contact", "film", "friction", "load_train",
     "readout", "capacitance_bench",
 ]  # fmt: skip
+REFERENCE_WIDTH = 2e-3  # m, the narrowest strip of the published bench
 
 
 @dataclass(frozen=True)
@@ -59,6 +60,11 @@ class Inputs:
     substrate_mass: FloatArray
     capacitance: FloatArray
     session_index: np.ndarray
+
+    @property
+    def relative_width(self) -> FloatArray:
+        """Width over that of the narrowest strip of the published bench."""
+        return self.conditions.width / REFERENCE_WIDTH
 
     @property
     def film_field(self) -> FloatArray:

@@ -15,12 +15,10 @@ from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
-REFERENCE_WIDTH = 2e-3  # m, the narrowest strip of the published bench
-
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """film_spring = s' L_s (w_s / w_0)^p, film_hardening = b."""
-    width = (inputs.conditions.width / REFERENCE_WIDTH) ** np.asarray(values["width_exponent"])
+    width = inputs.relative_width ** np.asarray(values["width_exponent"])
     return sockets.with_(
         film_spring=sockets.film_spring + values["stiffness"] * inputs.bench.pad.overlap_length * width,
         film_hardening=sockets.film_hardening + values["hardening"],

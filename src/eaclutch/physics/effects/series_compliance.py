@@ -12,12 +12,10 @@ from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
-REFERENCE_WIDTH = 2e-3  # m, the narrowest strip of the published bench
-
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """c_0 (w_0 / w_s)^p adds to the load train's compliance."""
-    width = (REFERENCE_WIDTH / inputs.conditions.width) ** np.asarray(values["width_exponent"])
+    width = inputs.relative_width ** -np.asarray(values["width_exponent"])
     return sockets.with_(series_compliance=sockets.series_compliance + values["compliance"] * width)
 
 

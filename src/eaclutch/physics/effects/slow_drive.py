@@ -79,7 +79,7 @@ EFFECT = Effect(
         "Hinchet & Shea, Adv. Mater. Technol. 5 (2020) 1900895, doi:10.1002/admt.201900895 (RC of a clutch); "
         "RC lag derived here"
     ),
-    validity="lag below half a period of the drive; capacitance of the closed pad",
+    validity="reversals that the film is too slow to follow: it feels mean squares; capacitance of the closed pad",
     apply=apply,
     draw=lambda rng: {
         "resistance": float(np.exp(rng.uniform(np.log(1e6), np.log(1.5e7)))),
