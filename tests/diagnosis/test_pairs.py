@@ -6,10 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from diagnosis.simulated import inputs
+from diagnosis.simulated import CONDITIONS, inputs
 from eaclutch.diagnosis.fit import scout_shifts
-from eaclutch.diagnosis.pairs import _afresh, _leaders, weigh_pairs
+from eaclutch.diagnosis.pairs import _afresh, _Fit, _leaders, _weigh, weigh_pairs
 from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import counted_evidence
 from eaclutch.physics.effects import BASE
@@ -29,7 +30,7 @@ def test_a_second_effect_is_found_that_shows_only_beside_the_first():
     # fitted around so large a gap, and checked at usual tolerances all the same
     assert alone.multipliers[0] > 2.0
     assert alone.adequate_p < 0.01
-    best = weigh_pairs(study, singles, 1)[0]
+    best = weigh_pairs(Spread(study), singles, 1)[0]
     assert best.effects == ("load_cell_dynamics", "series_compliance")
     assert best.log_evidence > max(r.log_evidence for r in singles) + 50.0
 
@@ -49,13 +50,26 @@ def test_a_base_fit_that_did_better_elsewhere_does_not_end_the_search_for_more()
 
 
 def test_what_needed_wide_tolerances_is_fitted_afresh_and_nothing_else_is():
-    made = []
-    study = SimpleNamespace(
-        thresholds=load_thresholds(), weigh=lambda *given, **how: made.append((given, how))
-    )
-    assert _afresh(study, SimpleNamespace(effects=("gap_tilt",), multipliers=(2.0, 1.0))) == [] == made
-    assert len(_afresh(study, SimpleNamespace(effects=("gap_tilt",), multipliers=(4.0, 1.0)))) == 1
-    assert made == [((("gap_tilt",),), {"afresh": True})]
+    study = SimpleNamespace(thresholds=load_thresholds())
+    usual = SimpleNamespace(effects=("gas_slip",), multipliers=(2.0, 1.0))
+    wide = SimpleNamespace(effects=("gap_tilt",), multipliers=(4.0, 1.0))
+    (fit,) = _afresh(study, [usual, wide])
+    assert fit.effects == ("gap_tilt",)
+    assert fit.afresh
+
+
+def test_fits_are_the_same_in_one_process_and_in_two_and_come_in_order():
+    study = Study(inputs(conditions=CONDITIONS[:4], repeats=2), load_thresholds(), seed=3)
+    study.weigh(())
+    fits = [
+        _Fit(("trigger_latency",)),
+        _Fit(("series_compliance",), afresh=True),
+        _Fit(("stray_capacitance",)),
+    ]
+    with Spread(study) as one, Spread(study, 2) as two:
+        alone, together = one(_weigh, fits), two(_weigh, fits)
+    assert [made.effects for made in together] == [fit.effects for fit in fits]
+    assert [made.document() for made in alone] == [made.document() for made in together]
 
 
 def test_a_fit_made_afresh_needs_no_base_fit():

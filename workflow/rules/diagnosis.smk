@@ -70,12 +70,14 @@ rule diagnosis:
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
         code=code("diagnosis.conclude", "diagnosis.pairs", effects=[*EFFECTS_ON, *CANDIDATES]),
+    threads: 4
     message:
         "diagnosis: the verdict"
-    shell:
-        "eaclutch --log {log} diagnosis --campaign {params.campaign:q} --results {params.results:q}"
-        " --settings {params.settings:q} --seed {params.seed} --gap {input.gap:q} --output {output:q}"
-        " {input.candidates:q}"
+    shell:  # its threads are processes, and linear algebra has one each
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1"
+        " eaclutch --log {log} diagnosis --campaign {params.campaign:q} --results {params.results:q}"
+        " --settings {params.settings:q} --seed {params.seed} --gap {input.gap:q} --jobs {threads}"
+        " --output {output:q} {input.candidates:q}"
 
 
 rule diagnosis_full:

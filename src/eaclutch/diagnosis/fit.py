@@ -21,7 +21,7 @@ from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.evidence import marginal_evidence
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised
-from eaclutch.diagnosis.mode import Mode, find_mode
+from eaclutch.diagnosis.mode import Mode, find_mode, mode_at
 from eaclutch.records import FloatArray
 
 SCOUTS = 64  # parameter sets of an effect tried before the fit
@@ -55,6 +55,7 @@ class HypothesisFit:
     multipliers: tuple[float, float]
     log_evidence: float
     peak: float
+    size: tuple[float, float]
 
     @property
     def parameters(self) -> dict[str, float]:
@@ -93,7 +94,14 @@ def fit_hypothesis(
             )
 
         found = [
-            _finish(forward, data, kernels, thresholds, find_mode(forward, data.values, covariance_at, start))
+            _finish(
+                forward,
+                data,
+                kernels,
+                thresholds,
+                find_mode(forward, data.values, covariance_at, start),
+                size,
+            )
             for start in _starts(forward, data, kernels, size, base, beyond, seeds)
         ]
         best = max([*found, *([best] if best else [])], key=lambda fitted: fitted.peak)
@@ -103,6 +111,21 @@ def fit_hypothesis(
         size = best.multipliers
     assert best is not None
     return best
+
+
+def plain_fit_at(
+    forward: Forward,
+    data: DataVector,
+    kernels: Kernels,
+    thresholds: Mapping[str, Any],
+    u: FloatArray,
+    size: tuple[float, float],
+) -> HypothesisFit:
+    """The fit of a hypothesis without candidates whose mode ``u`` (params,) and ``size`` are known: as it was found."""
+    factor = cho_factor(kernels.total(tolerance=size[0], session=size[1]), lower=True)
+    predicted = forward.predict(forward.priors.from_normal(u))[0]
+    mode = mode_at(forward, u, factor, predicted, converged=True)
+    return _finish(forward, data, kernels, thresholds, mode, size)
 
 
 def _starts(
@@ -143,7 +166,12 @@ def _prior_starts(forward: Forward, data: DataVector, covariance: FloatArray) ->
 
 
 def _finish(
-    forward: Forward, data: DataVector, kernels: Kernels, thresholds: Mapping[str, Any], mode: Mode
+    forward: Forward,
+    data: DataVector,
+    kernels: Kernels,
+    thresholds: Mapping[str, Any],
+    mode: Mode,
+    size: tuple[float, float],
 ) -> HypothesisFit:
     signature = own_signature(forward, mode.theta)
     residual = data.values - mode.predicted
@@ -162,7 +190,7 @@ def _finish(
     usual = own if found.multipliers[0] <= widest else linearised(widest)
     return HypothesisFit(
         forward.candidates, mode, own, usual, residual, signature,
-        found.multipliers, found.log_evidence, found.peak,
+        found.multipliers, found.log_evidence, found.peak, size,
     )  # fmt: skip
 
 

@@ -86,6 +86,12 @@ def find_mode(
                 break
             continue
         u, predicted = trials[best], found[best]
+    return mode_at(forward, u, factor, predicted, converged)
+
+
+def mode_at(forward: Forward, u: FloatArray, factor: tuple, predicted: FloatArray, converged: bool) -> Mode:
+    """The mode that stands at ``u`` (params,): ``factor`` (cho_factor) of the covariance, ``predicted`` (entries,)."""
+    priors = forward.priors
     jacobian = columns(forward, u)
     posterior = np.linalg.inv(jacobian.T @ cho_solve(factor, jacobian) + np.eye(len(u)))
     theta = priors.from_normal(u)

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
 from eaclutch.diagnosis.fit import HypothesisFit, scout_shifts
 from eaclutch.diagnosis.result import CandidateResult
+from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import counted_evidence
 
@@ -20,23 +21,51 @@ WORTH_AGAIN = 3.0  # nats that a pair gains over one of its effects
 LEADERS = 4  # singles that a second effect is tried on top of
 
 
-def with_pairs(study: Study, found: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
-    """``found`` with the most promising pairs. The leading singles are fitted once more from where others stand, and
-    each single from where a pair that does better stands: what an effect gains must not be that another fit stopped
-    short. Around a large gap, where fits end far apart, what leads is also fitted afresh."""
+@dataclass(frozen=True)
+class _Fit:
+    """One fit to be made: what ``Study.weigh`` is given."""
+
+    effects: tuple[str, ...]
+    seeds: Mapping[str, float] | None = None
+    beyond: HypothesisFit | None = None
+    afresh: bool = False
+
+
+def with_pairs(
+    study: Study, found: Sequence[CandidateResult], limit: int, jobs: int = 1
+) -> list[CandidateResult]:
+    """``found`` with the most promising pairs, worked out in ``jobs`` processes. The leading singles are fitted once
+    more from where others stand, and each single from where a pair that does better stands: what an effect gains must
+    not be that another fit stopped short. Around a large gap, where fits end far apart, what leads is also fitted
+    afresh."""
     results = list(found)
     counted = counted_evidence(results, study.thresholds)
-    for i in _leaders(results, counted):
-        others = [r for r in results if len(r.effects) == 1 and r is not results[i]]
-        tried = [_again(study, results[i], max(others, key=counted))] if others else []
-        results[i] = max([results[i], *tried, *_afresh(study, results[i])], key=counted)
-    pairs = [max([pair, *_afresh(study, pair)], key=counted) for pair in weigh_pairs(study, results, limit)]
-    for i, single in enumerate(results):
-        above = [pair for pair in pairs if single.effects and set(single.effects) < set(pair.effects)]
-        best = max(above, key=counted, default=single)
-        if counted(best) > counted(single) + WORTH_AGAIN:
-            results[i] = max(single, _again(study, single, best), key=counted)
+    with Spread(study, jobs) as spread:
+        leaders = _leaders(results, counted)
+        _better(spread, results, _from_others(results, leaders, counted), counted)
+        _better(spread, results, _afresh(study, [results[i] for i in leaders]), counted)
+        pairs = weigh_pairs(spread, results, limit)
+        _better(spread, pairs, _afresh(study, pairs), counted)
+        further = []
+        for single in results:
+            above = [pair for pair in pairs if single.effects and set(single.effects) < set(pair.effects)]
+            best = max(above, key=counted, default=single)
+            if counted(best) > counted(single) + WORTH_AGAIN:
+                further.append(_again(single, best))
+        _better(spread, results, further, counted)
     return results + pairs
+
+
+def _better(spread: Spread, results: list[CandidateResult], fits: Sequence[_Fit], counted: Counted) -> None:
+    """Makes ``fits`` and puts each into ``results`` where it counts for more than the fit of the same effects there."""
+    place = {result.effects: i for i, result in enumerate(results)}
+    for made in spread(_weigh, fits):
+        i = place[made.effects]
+        results[i] = max(results[i], made, key=counted)
+
+
+def _weigh(study: Study, fit: _Fit) -> CandidateResult:
+    return study.weigh(fit.effects, fit.seeds, fit.beyond, afresh=fit.afresh)
 
 
 def _leaders(results: Sequence[CandidateResult], counted: Counted) -> list[int]:
@@ -46,40 +75,56 @@ def _leaders(results: Sequence[CandidateResult], counted: Counted) -> list[int]:
     return sorted(worth, key=lambda i: -counted(results[i]))[:LEADERS]
 
 
-def _again(study: Study, single: CandidateResult, other: CandidateResult) -> CandidateResult:
-    """The same fit from the calibrated parameters of another."""
-    return study.weigh(single.effects, _seeds([single]) | _seeds([other]))
-
-
-def _afresh(study: Study, result: CandidateResult) -> list[CandidateResult]:
-    """The same fit from scratch, where it needed wider tolerances than usual; nothing elsewhere."""
-    if result.multipliers[0] <= max(study.thresholds["multipliers"]["tolerance"]["values"]):
+def _from_others(results: Sequence[CandidateResult], leaders: Sequence[int], counted: Counted) -> list[_Fit]:
+    """Each leader's fit from the calibrated parameters of the best single beside it."""
+    singles = [r for r in results if len(r.effects) == 1]
+    if len(singles) < 2:
         return []
-    return [study.weigh(result.effects, afresh=True)]
+    return [
+        _again(results[i], max((r for r in singles if r is not results[i]), key=counted)) for i in leaders
+    ]
 
 
-def weigh_pairs(study: Study, singles: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
+def _again(single: CandidateResult, other: CandidateResult) -> _Fit:
+    """The same fit from the calibrated parameters of another."""
+    return _Fit(single.effects, _seeds([single]) | _seeds([other]))
+
+
+def _afresh(study: Study, results: Sequence[CandidateResult]) -> list[_Fit]:
+    """The same fits from scratch, of those that needed wider tolerances than usual."""
+    widest = max(study.thresholds["multipliers"]["tolerance"]["values"])
+    return [_Fit(r.effects, afresh=True) for r in results if r.multipliers[0] > widest]
+
+
+def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
     """Fit the ``limit`` most promising pairs, each also from the fit of the one effect with the other on top."""
-    counted = counted_evidence(singles, study.thresholds)
+    counted = counted_evidence(singles, spread.study.thresholds)
     named = sorted((r for r in singles if len(r.effects) == 1), key=counted, reverse=True)
     plain = max((r.log_evidence for r in singles if not r.effects), default=-np.inf)
     # without a gap that one effect narrows there is nothing for a second one to do
     if limit <= 0 or len(named) < 2 or counted(named[0]) < plain + WORTH_A_PAIR:
         return []
     promises: dict[tuple[str, str], tuple[float, HypothesisFit]] = {}
-    for leader in named[:LEADERS]:
-        fitted = study.fit(leader.effects, _seeds([leader]))
-        for name, gain in _gains(study, fitted).items():
+    leaders = named[:LEADERS]
+    for leader, (fitted, gains) in zip(leaders, spread(_promises, leaders), strict=True):
+        for name, gain in gains.items():
             first, second = sorted((leader.effects[0], name))
             promise = leader.log_evidence + gain
             if promise > promises.get((first, second), (-np.inf, fitted))[0]:
                 promises[first, second] = promise, fitted
     best = sorted(promises, key=lambda pair: -promises[pair][0])[:limit]
     alone = {r.effects[0]: r for r in named}
-    return [
-        study.weigh(pair, _seeds([alone[name] for name in pair if name in alone]), promises[pair][1])
+    fits = [
+        _Fit(pair, _seeds([alone[name] for name in pair if name in alone]), promises[pair][1])
         for pair in best
     ]
+    return spread(_weigh, fits)
+
+
+def _promises(study: Study, leader: CandidateResult) -> tuple[HypothesisFit, dict[str, float]]:
+    """A leader's fit, and what each further effect promises on top of it."""
+    fitted = study.fit(leader.effects, _seeds([leader]))
+    return fitted, _gains(study, fitted)
 
 
 def _gains(study: Study, leader: HypothesisFit) -> dict[str, float]:

@@ -16,7 +16,7 @@ from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.condense import condense
 from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
-from eaclutch.diagnosis.fit import HypothesisFit, fit_hypothesis
+from eaclutch.diagnosis.fit import HypothesisFit, fit_hypothesis, plain_fit_at
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised, log_normal, posterior_mean
 from eaclutch.diagnosis.mode import find_mode
@@ -43,6 +43,7 @@ SOLVER_TOLERANCE = 1e-3
 LARGEST_CARRIED = 0.5  # sd on the comparison scale; a run that starts on an edge is not worth less than that
 WORTH_OPENING = 3.0  # nats over the base model
 SAME_PLACE = 1.0  # nats between two fits of one hypothesis that ended in the same place
+_STRANGE = ("is of another model or campaign", "run diagnosis-gap again")
 SESSION_SPREADS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 
@@ -70,7 +71,7 @@ class DiagnosisInputs:
 class Study:
     """Everything that hypotheses share; built once a job, deterministic.
 
-    ``first_fit``: what another job's study of the same inputs found as its own (``first_fit``); worked out without it.
+    ``known``: what another job's study of the same inputs says of its own fits (``fits``); worked out without it.
     """
 
     def __init__(
@@ -78,7 +79,7 @@ class Study:
         inputs: DiagnosisInputs,
         thresholds: Mapping[str, Any],
         seed: int = 1,
-        first_fit: Mapping[str, float] | None = None,
+        known: Mapping[str, Any] | None = None,
     ):
         self.inputs, self.thresholds, self.seed = inputs, thresholds, seed
         self.priors = {**thresholds["priors"], **(inputs.priors or {})}
@@ -105,7 +106,8 @@ class Study:
             )
 
         first = data()
-        self.first_fit: dict[str, float] = dict(first_fit or {})
+        self.known: Mapping[str, Any] = known or {}
+        self.first_fit: dict[str, float] = dict(self.known.get("first_fit", {}))
         if first.run_entries:
             channels = list(first.channels)
             first = data(*self._explained(first))
@@ -134,7 +136,7 @@ class Study:
             fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
             self.first_fit = fitted.parameters
         elif set(self.first_fit) != set(forward.priors.names):
-            raise InputError("gap.json", "is of another model or campaign", "run diagnosis-gap again")
+            raise InputError("gap.json", *_STRANGE)
         named = {name: np.array([value]) for name, value in self.first_fit.items()}
         plain = forward.runs(named)[0]
         carried = np.zeros_like(plain)
@@ -155,9 +157,25 @@ class Study:
     @cached_property
     def base(self) -> HypothesisFit:
         """The fit of the campaign's own model."""
+        if "base_fit" in self.known:
+            at, size = self.known["base_fit"]["at"], self.known["base_fit"]["size"]
+            forward = self.forward(())
+            if set(at) != set(forward.priors.names):
+                raise InputError("gap.json", *_STRANGE)
+            u = np.array([at[name] for name in forward.priors.names])
+            return plain_fit_at(
+                forward, self.data, self.kernels, self.thresholds, u, (float(size[0]), float(size[1]))
+            )
         return fit_hypothesis(
             self.forward(()), self.data, self.kernels, self.thresholds, seeds=self.first_fit
         )
+
+    @property
+    def fits(self) -> dict[str, Any]:
+        """What spares another job this study's fits: ``first_fit``, {parameter: value}, and ``base_fit``: its mode,
+        {parameter: value in prior coordinates}, and the multipliers that it was sought with."""
+        at = dict(zip(self.base.mode.names, self.base.mode.u.tolist(), strict=True))
+        return {"first_fit": self.first_fit, "base_fit": {"at": at, "size": list(self.base.size)}}
 
     @cached_property
     def nameless(self) -> Nameless:
