@@ -124,7 +124,7 @@ def plain_fit_at(
     """The fit of a hypothesis without candidates whose mode ``u`` (params,) and ``size`` are known: as it was found."""
     factor = cho_factor(kernels.total(tolerance=size[0], session=size[1]), lower=True)
     predicted = forward.predict(forward.priors.from_normal(u))[0]
-    mode = mode_at(forward, u, factor, predicted, converged=True)
+    mode = mode_at(forward, u, factor, predicted)
     return _finish(forward, data, kernels, thresholds, mode, size)
 
 

@@ -53,20 +53,20 @@ def find_mode(
     values: FloatArray,
     covariance_at: Callable[[FloatArray], FloatArray],
     u: FloatArray,
-    jacobian: FloatArray | None = None,
 ) -> Mode:
     """Maximise -r' C^-1 r / 2 - u'u / 2 from ``u`` (params,).
 
     covariance_at(theta) gives C (entries, entries): it holds a share of the effect's own signature, so it is
-    worked out again while the fit still moves. ``jacobian``: a first guess that saves its computation.
+    worked out again while the fit still moves.
     """
     priors = forward.priors
     predicted = forward.predict(priors.from_normal(u))[0]
+    jacobian: FloatArray | None = None
     converged = False
     for iteration in range(ITERATIONS):
         if iteration < 3:
             factor = cho_factor(covariance_at(priors.from_normal(u)), lower=True)
-        if iteration > 0 or jacobian is None:
+        if jacobian is None:
             jacobian = columns(forward, u)
         weighted = cho_solve(factor, jacobian)
         residual = values - predicted
@@ -85,14 +85,23 @@ def find_mode(
             if iteration > 0:
                 break
             continue
-        u, predicted = trials[best], found[best]
-    return mode_at(forward, u, factor, predicted, converged)
+        u, predicted, jacobian = trials[best], found[best], None
+    return mode_at(forward, u, factor, predicted, jacobian, converged)
 
 
-def mode_at(forward: Forward, u: FloatArray, factor: tuple, predicted: FloatArray, converged: bool) -> Mode:
-    """The mode that stands at ``u`` (params,): ``factor`` (cho_factor) of the covariance, ``predicted`` (entries,)."""
+def mode_at(
+    forward: Forward,
+    u: FloatArray,
+    factor: tuple,
+    predicted: FloatArray,
+    jacobian: FloatArray | None = None,
+    converged: bool = True,
+) -> Mode:
+    """The mode that stands at ``u`` (params,): ``factor`` (cho_factor) of the covariance, ``predicted`` (entries,),
+    ``jacobian`` where it is known."""
     priors = forward.priors
-    jacobian = columns(forward, u)
+    if jacobian is None:
+        jacobian = columns(forward, u)
     posterior = np.linalg.inv(jacobian.T @ cho_solve(factor, jacobian) + np.eye(len(u)))
     theta = priors.from_normal(u)
     # in the far tail of a bounded prior the slope is lost to the bound
