@@ -120,11 +120,12 @@ def plain_fit_at(
     thresholds: Mapping[str, Any],
     u: FloatArray,
     size: tuple[float, float],
+    converged: bool,
 ) -> HypothesisFit:
     """The fit of a hypothesis without candidates whose mode ``u`` (params,) and ``size`` are known: as it was found."""
     factor = cho_factor(kernels.total(tolerance=size[0], session=size[1]), lower=True)
     predicted = forward.predict(forward.priors.from_normal(u))[0]
-    mode = mode_at(forward, u, factor, predicted)
+    mode = mode_at(forward, u, factor, predicted, None, converged)
     return _finish(forward, data, kernels, thresholds, mode, size)
 
 

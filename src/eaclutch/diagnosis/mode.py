@@ -94,8 +94,8 @@ def mode_at(
     u: FloatArray,
     factor: tuple,
     predicted: FloatArray,
-    jacobian: FloatArray | None = None,
-    converged: bool = True,
+    jacobian: FloatArray | None,
+    converged: bool,
 ) -> Mode:
     """The mode that stands at ``u`` (params,): ``factor`` (cho_factor) of the covariance, ``predicted`` (entries,),
     ``jacobian`` where it is known."""

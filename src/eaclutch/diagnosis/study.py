@@ -158,13 +158,14 @@ class Study:
     def base(self) -> HypothesisFit:
         """The fit of the campaign's own model."""
         if "base_fit" in self.known:
-            at, size = self.known["base_fit"]["at"], self.known["base_fit"]["size"]
+            found = self.known["base_fit"]
+            at, size = found["at"], (float(found["size"][0]), float(found["size"][1]))
             forward = self.forward(())
             if set(at) != set(forward.priors.names):
                 raise InputError("gap.json", *_STRANGE)
             u = np.array([at[name] for name in forward.priors.names])
             return plain_fit_at(
-                forward, self.data, self.kernels, self.thresholds, u, (float(size[0]), float(size[1]))
+                forward, self.data, self.kernels, self.thresholds, u, size, found["converged"]
             )
         return fit_hypothesis(
             self.forward(()), self.data, self.kernels, self.thresholds, seeds=self.first_fit
@@ -173,9 +174,11 @@ class Study:
     @property
     def fits(self) -> dict[str, Any]:
         """What spares another job this study's fits: ``first_fit``, {parameter: value}, and ``base_fit``: its mode,
-        {parameter: value in prior coordinates}, and the multipliers that it was sought with."""
-        at = dict(zip(self.base.mode.names, self.base.mode.u.tolist(), strict=True))
-        return {"first_fit": self.first_fit, "base_fit": {"at": at, "size": list(self.base.size)}}
+        {parameter: value in prior coordinates}, the multipliers that it was sought with, and whether it was found."""
+        mode = self.base.mode
+        at = dict(zip(mode.names, mode.u.tolist(), strict=True))
+        base = {"at": at, "size": list(self.base.size), "converged": mode.converged}
+        return {"first_fit": self.first_fit, "base_fit": base}
 
     @cached_property
     def nameless(self) -> Nameless:
