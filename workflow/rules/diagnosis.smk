@@ -70,7 +70,7 @@ rule diagnosis:
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
         code=code("diagnosis.conclude", "diagnosis.pairs", effects=[*EFFECTS_ON, *CANDIDATES]),
-    threads: 4
+    threads: 2
     message:
         "diagnosis: the verdict"
     shell:  # its threads are processes, and linear algebra has one each
