@@ -29,6 +29,7 @@ def main() -> None:
         "--method-commit", required=True, help="tag or commit of the method when cases were sealed"
     )
     parser.add_argument("--name", default="blind", help="of the record")
+    parser.add_argument("--note", help="what has to be known of this set")
     chosen = parser.parse_args()
     score: dict[str, Any] = read_json(chosen.score)
     methods = {
@@ -42,7 +43,8 @@ def main() -> None:
     record(
         chosen.name,
         command,
-        {"method_commit": chosen.method_commit, "kinds": score["kinds"], "methods": methods},
+        {"method_commit": chosen.method_commit, "kinds": score["kinds"], "methods": methods}
+        | ({"note": chosen.note} if chosen.note else {}),
     )
     library = methods["library"]
     for key in ("right", "false_alarms", "unknown_recognised", "wrong_name_on_unknown"):
