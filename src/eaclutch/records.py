@@ -24,6 +24,10 @@ class InputError(ValueError):
         self.where, self.what, self.remedy = str(where), what, remedy
         super().__init__(" ".join(f"{where}: {what}; {remedy}".split()))
 
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str]]:
+        """Another process raises it again whole."""
+        return InputError, (self.where, self.what, self.remedy)
+
 
 @dataclass(frozen=True)
 class Gaussian:

@@ -13,6 +13,7 @@ from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.files import Document
 from eaclutch.physics.effects import BASE
 from eaclutch.records import InputError
 
@@ -136,6 +137,8 @@ def test_fits_that_another_job_made_are_taken_as_they_are():
         del other[fit].get("at", other[fit])["mass"]
         with pytest.raises(InputError, match=r"gap\.json.*run diagnosis-gap again"):
             assert Study(given, thresholds, seed=3, known=other).base
+    with pytest.raises(InputError, match=r"gap\.json: lacks 'first_fit'"):
+        Study(given, thresholds, seed=3, known=Document("gap.json", {}))
 
 
 def test_one_condition_in_one_session_says_what_it_cannot_tell():

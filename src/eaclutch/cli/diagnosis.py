@@ -25,6 +25,7 @@ _FILE = click.Path(dir_okay=False, path_type=Path)
 
 
 def common(command: Any) -> Any:
+    """The options that every command of this room takes."""
     for option in (
         click.option("--output", type=_FILE, required=True, help="File to write."),
         click.option(

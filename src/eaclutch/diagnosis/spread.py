@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from concurrent.futures import ProcessPoolExecutor
+from itertools import repeat
 from multiprocessing import get_context
 from types import TracebackType
 from typing import TypeVar
@@ -33,7 +34,7 @@ class Spread:
         if self._pool is None:
             # not forked: a compiled kernel's threads do not live on in a copy of this process
             self._pool = ProcessPoolExecutor(self.jobs, get_context("spawn"), _hold, (self.study,))
-        return [f.result() for f in [self._pool.submit(_apply, work, item) for item in items]]
+        return list(self._pool.map(_apply, repeat(work), items))
 
     def __enter__(self) -> Spread:
         return self

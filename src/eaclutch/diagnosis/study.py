@@ -43,7 +43,6 @@ SOLVER_TOLERANCE = 1e-3
 LARGEST_CARRIED = 0.5  # sd on the comparison scale; a run that starts on an edge is not worth less than that
 WORTH_OPENING = 3.0  # nats over the base model
 SAME_PLACE = 1.0  # nats between two fits of one hypothesis that ended in the same place
-_STRANGE = ("is of another model or campaign", "run diagnosis-gap again")
 SESSION_SPREADS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 
@@ -106,8 +105,8 @@ class Study:
             )
 
         first = data()
-        self.known: Mapping[str, Any] = known or {}
-        self.first_fit: dict[str, float] = dict(self.known.get("first_fit", {}))
+        self.known = known
+        self.first_fit: dict[str, float] = {} if known is None else dict(known["first_fit"])
         if first.run_entries:
             channels = list(first.channels)
             first = data(*self._explained(first))
@@ -132,11 +131,11 @@ class Study:
         """Run-level predictions of the base model after a first fit, (channels, runs), and the standard uncertainty
         that they have from the measured forces they start from."""
         forward = Forward(self.model(), first, (), self.priors)
-        if not self.first_fit:
+        if self.known is None:
             fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
             self.first_fit = fitted.parameters
-        elif set(self.first_fit) != set(forward.priors.names):
-            raise InputError("gap.json", *_STRANGE)
+        else:
+            _in_order(self.first_fit, forward)
         named = {name: np.array([value]) for name, value in self.first_fit.items()}
         plain = forward.runs(named)[0]
         carried = np.zeros_like(plain)
@@ -157,19 +156,15 @@ class Study:
     @cached_property
     def base(self) -> HypothesisFit:
         """The fit of the campaign's own model."""
-        if "base_fit" in self.known:
-            found = self.known["base_fit"]
-            at, size = found["at"], (float(found["size"][0]), float(found["size"][1]))
-            forward = self.forward(())
-            if set(at) != set(forward.priors.names):
-                raise InputError("gap.json", *_STRANGE)
-            u = np.array([at[name] for name in forward.priors.names])
-            return plain_fit_at(
-                forward, self.data, self.kernels, self.thresholds, u, size, found["converged"]
-            )
-        return fit_hypothesis(
-            self.forward(()), self.data, self.kernels, self.thresholds, seeds=self.first_fit
-        )
+        forward = self.forward(())
+        if self.known is None:
+            return fit_hypothesis(forward, self.data, self.kernels, self.thresholds, seeds=self.first_fit)
+        found = self.known["base_fit"]
+        tolerance, session = found["size"]
+        return plain_fit_at(
+            forward, self.data, self.kernels, self.thresholds,
+            _in_order(found["at"], forward), (tolerance, session), found["converged"],
+        )  # fmt: skip
 
     @property
     def fits(self) -> dict[str, Any]:
@@ -286,3 +281,11 @@ class Study:
         if fitted.effects and fitted.log_evidence < self.base.log_evidence + WORTH_OPENING:
             return Remainder(fitted.log_evidence, np.zeros(len(self.data)))
         return with_remainder(self.forward(fitted.effects), self.data, self.kernels, self.thresholds, fitted)
+
+
+def _in_order(named: Mapping[str, float], forward: Forward) -> FloatArray:
+    """Values (params,) in the order of ``forward``'s parameters. Raises InputError where they are not the same."""
+    names = forward.priors.names
+    if set(named) != set(names):
+        raise InputError("gap.json", "is of another model or campaign", "run diagnosis-gap again")
+    return np.array([named[name] for name in names])
