@@ -7,7 +7,9 @@ curves a and b are Gaussian and enter to first order, so they are marginalised e
 nearly linear in a gap change of a tenth of a micrometre that the second order is below the noise).
 a and b are curves over ln F, half constant and half smooth with a correlation length of one e-fold: what the
 contact law does not describe is shared by neighbouring readings, and counting it as independent noise would
-make k and sigma several times too certain. The force's own error enters through the slope.
+make k and sigma several times too certain. The force's own error enters through the slope of the readings
+themselves, so that no contact law makes it small: with the law's own slope, a force error that is stated too large
+drew sigma to where that slope vanishes.
 """
 
 from __future__ import annotations
@@ -72,17 +74,16 @@ class FilmOffset:
 
 
 class InverseContact:
-    """x = h / sigma and dx / d ln G from ln G(x), tabulated once over x in [-12, 18]."""
+    """x = h / sigma from ln G(x), tabulated once over x in [-12, 18]."""
 
     def __init__(self) -> None:
         x = np.linspace(-12.0, 18.0, 961)
-        curve = CubicSpline(x, np.log(greenwood_williamson(x)))
         fine = np.linspace(x[0], x[-1], 20_001)
-        self.log_g, self.x = curve(fine)[::-1].copy(), fine[::-1].copy()
-        self.slope = 1.0 / curve(fine, 1)[::-1].copy()
+        self.log_g = CubicSpline(x, np.log(greenwood_williamson(x)))(fine)[::-1].copy()
+        self.x = fine[::-1].copy()
 
-    def __call__(self, log_g: FloatArray) -> tuple[FloatArray, FloatArray]:
-        return np.interp(log_g, self.log_g, self.x), np.interp(log_g, self.log_g, self.slope)
+    def __call__(self, log_g: FloatArray) -> FloatArray:
+        return np.interp(log_g, self.log_g, self.x)
 
 
 def select(
@@ -175,21 +176,20 @@ def contact_problem(
     design = LevelDesign.of(np.log(force), width, labels, CONSTANT_SHARE, CORRELATION)
     scale = capacitance_scale(bench.pad, width, bench.fixture.overlap_length)
     inverse, log_force = InverseContact(), np.log(force)
+    force_error = _slope(log_force, data := np.log(capacitance), width) * settings.force_sd / force
     length = bench.fixture.overlap_length
-    data = np.log(capacitance)
     head = len(named)
 
     def terms(theta: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
         """Mean of ln C, d ln C / d gap and noise variance, each (draws, readings)."""
         k, sigma = theta[:, 0, None], theta[:, 1, None]
         stray = theta[:, 2, None] if sampled_stray else stray0
-        x, slope = inverse(log_force - np.log(k * length * width * sigma**1.5))
+        x = inverse(log_force - np.log(k * length * width * sigma**1.5))
         gap = film.mean + np.maximum(sigma * x, -0.99 * film.mean)
         pad_capacitance = scale / gap
         with np.errstate(invalid="ignore"):
             mean = np.log(pad_capacitance + stray)
         sensitivity = -pad_capacitance / gap / (pad_capacitance + stray)
-        force_error = sensitivity * sigma * slope * settings.force_sd / force
         return mean, sensitivity, theta[:, head, None] ** 2 + force_error**2
 
     def residuals(theta: FloatArray) -> tuple[FloatArray, FloatArray, Levels]:
@@ -226,6 +226,14 @@ def contact_problem(
         fingerprint={"data": digest([force, capacitance, width, list(labels)]),
                      "model": digest([film.mean, film.sd, stray0, length, settings.force_sd, repr(bench.pad)])},
     )  # fmt: skip
+
+
+def _slope(log_force: FloatArray, log_capacitance: FloatArray, width: FloatArray) -> FloatArray:
+    """d ln C / d ln F (readings,) of a parabola through all readings, each width on a level of its own."""
+    x = log_force - log_force.mean()
+    levels = width[:, None] == np.unique(width)
+    found = np.linalg.lstsq(np.column_stack([levels, x, x**2]), log_capacitance)[0]
+    return np.asarray(found[-2] + 2.0 * found[-1] * x)
 
 
 def stray_parameter(mean: float, sd: float) -> Parameter:
