@@ -70,6 +70,27 @@ def test_where_the_force_cannot_tell_when_the_drive_stopped_the_instant_is_uncer
     assert abs(events.off - off) < np.sqrt(3) * events.off_sd + STEP and events.off_sd > 0.05e-3
 
 
+@pytest.mark.parametrize(("frequency", "surely"), [(0.5, True), (10.0, True), (50.0, True), (500.0, False)])
+@pytest.mark.parametrize("after_the_edge", [0.3 * STEP, 1.2 * STEP])
+def test_a_flag_that_falls_as_another_wave_begins_is_not_off(frequency, surely, after_the_edge):
+    """The sensed wave ends with the flag, and the other electrode's goes on: only the force shows it."""
+    half = 0.5 / frequency
+    waves = round(3.0 / half) // 2 * 2 + 1
+    recording, _, off = made(frequency=frequency, travel=waves * half * 0.5e-3, grounded_first=True, seed=2)
+    fallen = replace(recording, flag=(recording.time < off - half + after_the_edge) & (recording.flag > 0.5))
+    events = find_events(fallen)
+    if surely:
+        assert abs(events.off - off) <= 1.6 * STEP and "voltage_outlives_flag" in events.flags
+    else:
+        assert abs(events.off - off) < np.sqrt(3) * events.off_sd + 2 * STEP
+        assert "voltage_off_unsure" in events.flags
+
+
+def test_a_slow_release_makes_no_wave_that_is_not_seen():
+    recording, _, off = made(frequency=100.0, delay=8e-3, grounded_first=True)
+    assert abs(find_events(recording).off - off) <= 0.51 * STEP
+
+
 @pytest.mark.parametrize("frequency", [0.1, 1000.0])
 @pytest.mark.parametrize("hole", ["before", "driven"])
 def test_a_flag_that_lost_lines_gives_way_to_the_voltage(frequency, hole):

@@ -15,6 +15,7 @@ LEFT = 0.05  # of its way that a force has done where it has left its hold, beyo
 CLEAR = 4.0  # standard deviations
 RELEASED = 0.0015  # s after which a released force swings round its last level
 UNSEEN = 0.0003  # s for which a force may hold by itself, the film still closed
+LONG = 0.0045  # s for which none holds by itself and then lets go just as a half wave ends
 
 
 def outlives(time: FloatArray, force: FloatArray, fall: float, end: float) -> bool | None:
@@ -39,3 +40,21 @@ def outlives(time: FloatArray, force: FloatArray, fall: float, end: float) -> bo
     if done > (0.5 if end - fall > RELEASED else LEFT + doubt):
         return False
     return True if end - fall > UNSEEN else None
+
+
+def begins_another(time: FloatArray, force: FloatArray, fall: float, end: float) -> bool | None:
+    """Whether a drive whose flag fell with a wave's end had just begun another, unseen half wave, until ``end`` [s];
+    None where that is unclear. Arguments as in ``outlives``.
+
+    Only a force that holds until then and lets go there says so, and a short half wave leaves it open: a film that
+    is slow to open does the same.
+    """
+    if not outlives(time, force, fall, end):
+        return False
+    step = sample_spacing(time)
+    marks = (fall - HELD, fall, end + RELEASED, end + 2 * RELEASED, *(end + s for s in SETTLED))
+    before, at, first, last, early, late = np.searchsorted(time, marks)
+    held, settled = float(np.median(force[before:at])), float(np.median(force[early:late]))
+    if np.median(force[first : last + 1]) > 0.5 * (held + settled):
+        return False
+    return True if end - fall > LONG - step else None
