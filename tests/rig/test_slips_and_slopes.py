@@ -54,20 +54,28 @@ def test_a_zero_that_the_run_does_not_show_widens_the_fraction():
     assert unknown.sd == pytest.approx(0.2 * 0.025, rel=0.02)
 
 
-@pytest.mark.parametrize(("drop", "period"), [(0.2, 0.03), (0.08, 0.01)])
-def test_a_slip_is_measured_from_its_top_to_its_bottom_though_the_force_climbs_all_the_while(drop, period):
+def _slipping(drop: float, period: float, seed: int) -> dict:
+    """The row of a run that slips by ``drop`` [N] from 0.5 N every ``period`` [s]."""
     quiet, fall = Made(frequency=0.1, capacity=0.5, hold=0.5, ramp=50.0, friction=0.0, final=0.0), 0.8e-3
-    found = []
-    for seed in range(6):
-        recording, on, off = make_run(quiet, np.random.default_rng(seed))
-        phase = (recording.time - on) % period
-        slipping = 0.5 * (1.0 - np.cos(np.pi * phase / fall))
-        below = drop * np.where(phase < fall, slipping, (period - phase) / (period - fall))
-        driven = (recording.time > on + 0.05) & (recording.time < off)
-        row = extract(replace(recording, force=recording.force - np.where(driven, below, 0.0)), Bench("test"))
-        found.append((row["slip_fraction"], row["slip_fraction_sd_zero_known"]))
-    value, sd = np.mean(found, axis=0)
+    recording, on, off = make_run(quiet, np.random.default_rng(seed))
+    phase = (recording.time - on) % period
+    slipping = 0.5 * (1.0 - np.cos(np.pi * phase / fall))
+    below = drop * np.where(phase < fall, slipping, (period - phase) / (period - fall))
+    driven = (recording.time > on + period * round(0.05 / period)) & (recording.time < off)
+    return extract(replace(recording, force=recording.force - np.where(driven, below, 0.0)), Bench("test"))
+
+
+@pytest.mark.parametrize(("drop", "period"), [(0.2, 0.03), (0.08, 0.01), (0.2, 0.0075)])
+def test_a_slip_is_measured_from_its_top_to_its_bottom_though_the_force_climbs_all_the_while(drop, period):
+    rows = [_slipping(drop, period, seed) for seed in range(6)]
+    value, sd = np.mean([(r["slip_fraction"], r["slip_fraction_sd_zero_known"]) for r in rows], axis=0)
     assert value == pytest.approx(drop / 0.5, abs=0.012) and sd < 0.03
+
+
+@pytest.mark.parametrize("period", [0.0022, 0.003, 0.0045])
+def test_slips_that_crowd_have_no_size(period):
+    row = _slipping(0.2, period, 0)
+    assert np.isnan(row["slip_fraction"]) and "slip_fraction:slips_crowded" in row["reasons"]
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -10,6 +10,7 @@ from scipy.ndimage import uniform_filter1d
 
 from eaclutch.records import FloatArray, ObservableInfo
 from eaclutch.rig.estimate import Estimate, Unusable
+from eaclutch.rig.noise import Noise
 from eaclutch.rig.observables._observable import Observable
 from eaclutch.rig.run_view import RunView
 from eaclutch.rig.zero import UNKNOWN_ZERO_SD
@@ -20,6 +21,8 @@ HALF_PERIOD = 0.0008  # s, of the bare load cell
 CLIMB = 0.004  # s of force on either side of a slip that tell how fast it climbs
 STEEP = 5  # samples over which the fall is the steepest
 THRESHOLD = 7.0  # standard deviations of the difference of two such means
+CROWDED = 0.006  # s between two slips within which the means of one hold a part of the other
+SHARP = 5.0  # standard deviations of a fall that is another slip
 CLEAR = 0.001  # s kept clear of voltage on and off
 
 
@@ -56,8 +59,7 @@ class Slips:
         before, after = at + self.side, at + self.side + self.lag
         half = self.side // 2
         first, last = self._between_slips(at)
-        smooth = uniform_filter1d(self.force[before : after + 1], STEEP)
-        fall = before + float(np.argmin(smooth[STEEP:] - smooth[:-STEEP])) + 0.5 * STEEP
+        fall = before + float(np.argmax(_falls(self.force[before : after + 1]))) + 0.5 * STEEP
         apart = 0.5 * HALF_PERIOD / self.step
         x = np.arange(first, last, dtype=float)
         sides = (x < before + half + 1, x > after - half - 1)
@@ -67,6 +69,19 @@ class Slips:
         mean_after = (np.abs(x - after) <= half) / np.sum(np.abs(x - after) <= half)
         level = mean_before + (fall - apart - before) * slope
         return level, level - (mean_after + (fall + apart - after) * slope), first
+
+    def crowded(self, at: int, noise: Noise) -> bool:
+        """Whether another slip, half as steep or more, stands so near slip ``at`` that its means hold a part of it."""
+        wide = round(CROWDED / self.step)
+        before, after = at + self.side, at + self.side + self.lag
+        steepest = before + int(np.argmax(_falls(self.force[before : after + 1])))
+        start = max(steepest - wide, 0)
+        falls = _falls(self.force[start : steepest + wide + 2 * STEEP])
+        weights = np.zeros(2 * STEEP)
+        weights[:STEEP], weights[STEEP:] = 1.0 / STEEP, -1.0 / STEEP
+        least = max(0.5 * falls[steepest - start], SHARP * noise.sd(weights))
+        others = np.abs(np.arange(len(falls)) - (steepest - start)) > round(2 * HALF_PERIOD / self.step)
+        return bool(np.any(falls[others] > least))
 
     def _between_slips(self, at: int) -> tuple[int, int]:
         """The samples around slip ``at`` that no other slip and no end of the force spoils."""
@@ -80,6 +95,12 @@ class Slips:
         last = int(later[0]) + self.side + self.lag - margin if len(later) else len(self.force)
         first = min(max(first, before + half + 1 - wide, 0), before - half)
         return first, max(min(last, after - half + wide, len(self.force)), after + half + 1)
+
+
+def _falls(force: FloatArray) -> FloatArray:
+    """How far a force (samples,) falls from the ``STEEP`` samples around one to those around the ``STEEP``-th next."""
+    smooth = uniform_filter1d(force, STEEP)
+    return smooth[:-STEEP] - smooth[STEEP:]
 
 
 def _measure(run: RunView) -> Estimate:
@@ -97,6 +118,8 @@ def _measure(run: RunView) -> Estimate:
     largest = int(np.argmax(every.drop))
     if every.drop[largest] < least or every.level[largest] < least:
         raise Unusable("no_slip")
+    if every.crowded(largest, noise):
+        raise Unusable("slips_crowded")
     of_level, of_drop, start = every.ends(largest)
     part = force[start : start + len(of_drop)]
     level = float(of_level @ part)
