@@ -86,6 +86,17 @@ def test_a_flag_that_falls_as_another_wave_begins_is_not_off(frequency, surely, 
         assert "voltage_off_unsure" in events.flags
 
 
+def test_what_rests_on_an_instant_that_is_not_known_is_not_said():
+    """A flag that lost lines at 50 Hz: off is known to half a period, the force there is not, and the end is."""
+    recording, _, _ = made(frequency=50.0, final=0.06)
+    row = extract(
+        replace(recording, flag=without_lines(recording.flag, (int(3.5 / STEP), 300))), Bench("test")
+    )
+    assert row["flags"].split(";").count("flag_early") == 1
+    assert np.isnan(row["switch_off_force_n"]) and "switch_off_force_n:off_unsure" in row["reasons"]
+    assert row["baseline_shift_n"] == pytest.approx(-0.06, abs=5 * row["baseline_shift_n_sd"])
+
+
 def test_a_slow_release_makes_no_wave_that_is_not_seen():
     recording, _, off = made(frequency=100.0, delay=8e-3, grounded_first=True)
     assert abs(find_events(recording).off - off) <= 0.51 * STEP

@@ -27,6 +27,7 @@ REASONS = {
     "time_realigned": "parts of the time column were moved back into place",
     "time_repaired": "single time stamps were repaired",
     "level_in_noise": "the level to be crossed drowns in the noise",
+    "off_unsure": "when the voltage fell cannot be told to some milliseconds",
     "no_release": "the force does not fall after the voltage",
     "no_swing": "no free swing stands out after the release",
     "no_slip": "no slip stands out while driven",

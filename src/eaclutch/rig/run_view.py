@@ -29,6 +29,7 @@ PICK_UP_ON, PICK_UP_EDGE = (1.2, 4.8), (1.2, 3.8)
 # N s/V: what rising and falling edge leave together in the force, 0 +- this (published logs: up to 2.2e-9)
 PICK_UP_NET = 1.8e-9
 FEWEST_BETWEEN_EDGES = 20  # samples: faster drives leave nothing to look at between their edges
+LAST = 0.003  # s before voltage off that give the force there
 MARGIN = 0.002  # s kept clear of the force's own events where the column is not in step
 
 
@@ -94,6 +95,12 @@ class RunView:
         if math.isnan(shift):
             raise Unusable("force_not_in_step")
         return self.events.off - shift * self.step
+
+    @property
+    def off_doubt(self) -> float:
+        """By how much voltage off may stand before or behind ``events.off`` [s]; 0 where it is known to a sample."""
+        sd = self.events.off_sd
+        return math.sqrt(3.0) * sd if sd > self.step else 0.0
 
     def require_in_step(self, event: Literal["on", "off"]) -> None:
         """Raise Unusable unless the force is in step with the voltage around an event."""
@@ -202,7 +209,9 @@ class RunView:
     @cached_property
     def switch_off_level(self) -> Estimate:
         """Median force of the last 3 ms before the voltage falls [N]. Raises Unusable."""
-        window = self.window(self.force_off - 0.003, self.force_off, least=10)
+        if self.off_doubt > 0.5 * LAST:
+            raise Unusable("off_unsure")
+        window = self.window(self.force_off - LAST, self.force_off, least=10)
         force = self.force[window]
         # a slip within the window makes the median jump between two levels: noise goes onto the smoothed force
         smooth = uniform_filter1d(force, SLIP_SAMPLES)
@@ -216,5 +225,6 @@ class RunView:
 
     @cached_property
     def final_level(self) -> Estimate:
-        """Mean force 10 to 110 ms after the voltage fell [N]. Raises Unusable."""
-        return self.mean(self.force_off + 0.010, self.force_off + 0.110, self.noise_rest)
+        """Mean force 10 to 110 ms after the voltage has surely fallen [N]. Raises Unusable."""
+        off = self.force_off + self.off_doubt
+        return self.mean(off + 0.010, off + 0.110, self.noise_rest)
