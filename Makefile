@@ -21,7 +21,7 @@ published: $(STAMP)  ## the published recordings (their folder: config/published
 # Beside other work the threads of a linear algebra library wait for one another: one does as well.
 test: export OPENBLAS_NUM_THREADS = 1
 test: lint types  ## all checks: linter, formatter, types, tests
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 lint: $(STAMP)
 	$(BIN)/ruff check .

@@ -14,7 +14,7 @@ def test_mutated_input_is_read_or_refused(name, tmp_path):
         assert fuzz.trial(name, READERS[name], number, folder) in ("read", "refused")
 
 
-@pytest.mark.parametrize("name", set(READERS) - {"reply", "name", "record"})
+@pytest.mark.parametrize("name", sorted(set(READERS) - {"reply", "name", "record"}))
 def test_what_is_not_mutated_is_read(name, tmp_path, monkeypatch):
     monkeypatch.setattr(fuzz, "mutate", lambda content, rng: content)
     assert fuzz.trial(name, READERS[name], 0, tmp_path) == "read"
