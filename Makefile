@@ -19,6 +19,7 @@ published: $(STAMP)  ## the published recordings (their folder: config/published
 	$(BIN)/snakemake --cores $(CORES) --configfile config/published.yaml
 
 # Beside other work the threads of a linear algebra library wait for one another: one does as well.
+# Two processes, a file each at a time: files share what they have made.
 test: export OPENBLAS_NUM_THREADS = 1
 test: lint types  ## all checks: linter, formatter, types, tests
 	$(BIN)/python -m pytest -n 2 --dist loadfile

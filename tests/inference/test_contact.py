@@ -128,6 +128,16 @@ def test_a_force_error_that_is_stated_too_large_draws_nothing_away(stated):
     assert sd[0] < 0.4 and sd[1] < 0.1
 
 
+def test_the_force_error_counts_where_a_single_reading_shows_no_slope():
+    made = readings(np.random.default_rng(6), trials=1, widths=(2e-3,), points=1)
+    spreads = []
+    for share in (0.01, 0.4):
+        settings = ContactSettings(force_sd=share * float(made.force[0]))
+        problem = contact_problem(made, BENCH, parameters(), FILM, settings)
+        spreads.append(around_mode(problem, np.random.default_rng(1))[1][1])
+    assert spreads[1] > 1.5 * spreads[0]
+
+
 def test_calibrated_over_campaigns():
     """k and sigma within their posterior over 30 campaigns: neither over- nor underconfident."""
     rng = np.random.default_rng(11)

@@ -17,7 +17,6 @@ DC_LABEL = 0.1  # Hz, the rig's way to write DC
 LOST = "voltage_lines_lost"  # flag of a voltage column whose edges cannot be trusted
 MAJORITY = 5  # samples whose majority is the flag: a single sample that lost a digit is no edge
 SENSED_HIGH = 50.0  # V, above this the sensed electrode carries the high voltage
-SHORT = 0.00075  # s, half a period for which a film may stay closed by itself
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,7 @@ def find_events(recording: Recording, *, in_step: bool = True) -> Events:
         if time[last] + 1.5 * step < end < time[last] + half_period + 1.5 * step:
             if before_fall[-1] <= last - 2:
                 goes_on_unseen = outlives(time, recording.force, fall, end) if in_step else True
-            elif half_period > SHORT and in_step:
+            elif in_step:
                 # the flag falls with a wave: most drives end there, some have just begun another one
                 goes_on_unseen = begins_another(time, recording.force, fall, end)
         if goes_on_unseen:

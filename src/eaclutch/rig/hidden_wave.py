@@ -15,6 +15,7 @@ LEFT = 0.05  # of its way that a force has done where it has left its hold, beyo
 CLEAR = 4.0  # standard deviations
 RELEASED = 0.0015  # s after which a released force swings round its last level
 UNSEEN = 0.0003  # s for which a force may hold by itself, the film still closed
+SHORT = 0.00075  # s for which a film may well stay closed after its voltage
 LONG = 0.0045  # s for which none holds by itself and then lets go just as a half wave ends
 
 
@@ -46,10 +47,10 @@ def begins_another(time: FloatArray, force: FloatArray, fall: float, end: float)
     """Whether a drive whose flag fell with a wave's end had just begun another, unseen half wave, until ``end`` [s];
     None where that is unclear. Arguments as in ``outlives``.
 
-    Only a force that holds until then and lets go there says so, and a short half wave leaves it open: a film that
-    is slow to open does the same.
+    Only a force that holds until then and lets go there says so. A film that is slow to open does the same: in a short
+    half wave it is taken for that, and only in a long one not.
     """
-    if not outlives(time, force, fall, end):
+    if end - fall < SHORT or not outlives(time, force, fall, end):
         return False
     step = sample_spacing(time)
     marks = (fall - HELD, fall, end + RELEASED, end + 2 * RELEASED, *(end + s for s in SETTLED))

@@ -30,6 +30,7 @@ from eaclutch.physics.laws import capacitance_scale, greenwood_williamson
 from eaclutch.records import Bench, CapacitanceReadings, FloatArray, InputError
 
 CONSTANT_SHARE = 0.5  # of a level's variance; the rest is smooth in ln F
+LEAST_RANGE = 0.5  # e-folds of the force over which a slope shows
 CORRELATION = 1.0  # length of the smooth part, in e-folds of the force
 
 
@@ -229,8 +230,11 @@ def contact_problem(
 
 
 def _slope(log_force: FloatArray, log_capacitance: FloatArray, width: FloatArray) -> FloatArray:
-    """d ln C / d ln F (readings,) of a parabola through all readings, each width on a level of its own."""
+    """d ln C / d ln F (readings,) of a parabola through all readings, each width on a level of its own; 1, which no
+    contact reaches, where the forces are too much alike to show a slope."""
     x = log_force - log_force.mean()
+    if np.ptp(x) < LEAST_RANGE:
+        return np.ones_like(x)
     levels = width[:, None] == np.unique(width)
     found = np.linalg.lstsq(np.column_stack([levels, x, x**2]), log_capacitance)[0]
     return np.asarray(found[-2] + 2.0 * found[-1] * x)

@@ -59,7 +59,7 @@ class Slips:
         before, after = at + self.side, at + self.side + self.lag
         half = self.side // 2
         first, last = self._between_slips(at)
-        fall = before + float(np.argmax(_falls(self.force[before : after + 1]))) + 0.5 * STEEP
+        fall = self._steepest(at) + 0.5 * STEEP
         apart = 0.5 * HALF_PERIOD / self.step
         x = np.arange(first, last, dtype=float)
         sides = (x < before + half + 1, x > after - half - 1)
@@ -72,9 +72,7 @@ class Slips:
 
     def crowded(self, at: int, noise: Noise) -> bool:
         """Whether another slip, half as steep or more, stands so near slip ``at`` that its means hold a part of it."""
-        wide = round(CROWDED / self.step)
-        before, after = at + self.side, at + self.side + self.lag
-        steepest = before + int(np.argmax(_falls(self.force[before : after + 1])))
+        wide, steepest = round(CROWDED / self.step), self._steepest(at)
         start = max(steepest - wide, 0)
         falls = _falls(self.force[start : steepest + wide + 2 * STEEP])
         weights = np.zeros(2 * STEEP)
@@ -82,6 +80,11 @@ class Slips:
         least = max(0.5 * falls[steepest - start], SHARP * noise.sd(weights))
         others = np.abs(np.arange(len(falls)) - (steepest - start)) > round(2 * HALF_PERIOD / self.step)
         return bool(np.any(falls[others] > least))
+
+    def _steepest(self, at: int) -> int:
+        """The sample from which the force falls the most in slip ``at``."""
+        before = at + self.side
+        return before + int(np.argmax(_falls(self.force[before : before + self.lag + 1])))
 
     def _between_slips(self, at: int) -> tuple[int, int]:
         """The samples around slip ``at`` that no other slip and no end of the force spoils."""
