@@ -69,7 +69,7 @@ rule diagnosis:
         bench=bench(),
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
-        code=code("diagnosis.conclude", "diagnosis.pairs", effects=[*EFFECTS_ON, *CANDIDATES]),
+        code=code("diagnosis.conclude", "diagnosis.pairs", effects=[*EFFECTS_ON, *CANDIDATES, *LOOKALIKES]),
     threads: 2
     message:
         "diagnosis: the verdict"

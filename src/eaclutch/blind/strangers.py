@@ -99,6 +99,30 @@ def swollen_film(runs: Runs, c: Constants, size: float, rng: np.random.Generator
     ), c
 
 
+def drifting_gain(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
+    """The load cell's gain creeps up from the first run of the campaign to the last."""
+    age = np.arange(len(runs)) / len(runs)
+    return runs.turn(reading_gain=1 + 0.2 * size * age), c
+
+
+def warm_film(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
+    """The film warms up over a session and its permittivity falls, until the next one begins cold."""
+    return replace(runs, kappa=runs.kappa * np.maximum(1 + 0.1 * size * np.expm1(-runs.order / 6), 0.2)), c
+
+
+def humid_day(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
+    """What lies between film and strip is thicker in one session: parting takes longer, force and friction stay."""
+    chosen = runs.session == rng.integers(0, 3)
+    return runs.turn(squeeze_factor=runs.knob("squeeze_factor", 1.0) * (1 + 1.5 * size * chosen)), c
+
+
+def leaky_film(runs: Runs, c: Constants, size: float, rng: np.random.Generator) -> tuple[Runs, Constants]:
+    """The film conducts: while a polarity lasts its own field runs down, and with it the force at low frequency."""
+    half_period = np.where(runs.frequency > 0.5, 0.5 / runs.frequency, runs.drive_time)
+    kept = 1 + 0.25 * min(size, 3.0) * np.expm1(-half_period / 0.03)
+    return runs.turn(force_factor=runs.knob("force_factor", 1.0) * kept), c
+
+
 UNNAMED: dict[str, Law] = {
     law.__name__: law
     for law in (
@@ -115,5 +139,9 @@ UNNAMED: dict[str, Law] = {
         dust,
         backlash,
         swollen_film,
+        drifting_gain,
+        warm_film,
+        humid_day,
+        leaky_film,
     )
 }

@@ -21,7 +21,7 @@ from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import DiagnosisInputs, Study
 from eaclutch.diagnosis.verdict import decide
 from eaclutch.diagnosis.weigh import UNKNOWN, probabilities
-from eaclutch.physics.effects import BASE, EFFECTS
+from eaclutch.physics.effects import BASE, CANDIDATES
 from eaclutch.records import BurstFeatures, Campaign, InputError
 from eaclutch.rig.batch import extract_batch, join_batches
 from eaclutch.rig.campaign import open_campaign
@@ -55,7 +55,8 @@ def diagnose_case(
     document_without = _without(study, found)
     parameters = {"before": dict(found[0].calibrated), "after": dict(after.calibrated)}
     sides = {"parameters": parameters, "without": document_without}
-    return document, sides, _fits(study, found), time.monotonic() - start
+    named_fits = [result for result in found if not set(result.effects) & set(study.lookalikes)]
+    return document, sides, _fits(study, named_fits), time.monotonic() - start
 
 
 def _without(study: Study, found: Sequence[CandidateResult]) -> dict[str, Any]:
@@ -116,7 +117,7 @@ def read_case(folder: Path, method: str, settings: Mapping[str, Any]) -> Diagnos
 
 def _candidates(method: str, settings: Mapping[str, Any]) -> tuple[str, ...]:
     chosen = tuple(settings.get("diagnosis", {}).get("candidates") or ())
-    chosen = chosen or tuple(name for name in EFFECTS if name not in BASE)
+    chosen = chosen or CANDIDATES
     if method.startswith(LEAVE_OUT):
         out = method.removeprefix(LEAVE_OUT)
         if out not in chosen:

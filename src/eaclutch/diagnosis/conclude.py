@@ -16,7 +16,7 @@ from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import Verdict, decide
-from eaclutch.diagnosis.weigh import NONE, UNKNOWN, by_effect, probabilities
+from eaclutch.diagnosis.weigh import NONE, UNKNOWN, by_effect, probabilities, unknown_as
 from eaclutch.records import FloatArray
 
 CAMPAIGNS = 400  # simulated, for every p-value and the noise floor
@@ -47,7 +47,7 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
         elsewhere @ sound.w,
         null.strict @ elsewhere.T,
         study.generator(13),
-        explained=_explained(study, verdict, after),
+        explained=_explained(study, verdict, after, results),
     )
     units = {channel.name: channel.unit for channel in study.data.channels}
     closure = gap_numbers(study.cells, base, after, squares, study.generator(12))
@@ -85,10 +85,14 @@ def gap_summary(study: Study, base: CandidateResult) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _explained(study: Study, verdict: Verdict, after: CandidateResult) -> FloatArray | None:
+def _explained(
+    study: Study, verdict: Verdict, after: CandidateResult, results: Sequence[CandidateResult]
+) -> FloatArray | None:
     """What of the base model's errors (entries,) the verdict accounts for; None where there is no gap."""
     if verdict.effects == UNKNOWN:
-        return study.remainder.discrepancy
+        like = unknown_as(results, study.thresholds)
+        said = [np.array(r.shift) for r in results if r.effects == (like,)]
+        return said[0] if said else study.remainder.discrepancy
     return np.array(after.shift) if after.effects else None
 
 

@@ -54,10 +54,13 @@ class Forecast:
         self.kernels: Kernels = study.kernels
         self.covariance = base.linearised.marginal()
         self.root = np.linalg.cholesky(self.covariance)
-        self.clouds = [
-            self._cloud(name, scout_shifts(study.forward((name,)), base)[0][::SCOUTS_APART])
-            for name in study.candidates
-        ]
+        self.clouds, self.lookalikes = (
+            [
+                self._cloud(name, scout_shifts(study.forward((name,)), base)[0][::SCOUTS_APART])
+                for name in names
+            ]
+            for names in (study.candidates, study.lookalikes)
+        )
         self.names = [*study.candidates, "unknown", "none"]
         thresholds = study.thresholds
         prior = thresholds["prior"]
@@ -102,7 +105,12 @@ class Forecast:
             nameless.append(-0.5 * np.sum(z**2, axis=0) - np.sum(np.log(np.diag(root))) + log_det)
         scores.append(self._with_laws(logsumexp(nameless, axis=0) - self.nameless_cost, plain, a.T))
         scores.append(plain)
-        total = np.stack(scores, axis=1) / self.study.thresholds["temperature"] + self.log_prior
+        temperature = self.study.thresholds["temperature"]
+        total = np.stack(scores, axis=1) / temperature + self.log_prior
+        unknown = self.names.index("unknown")
+        for cloud in self.lookalikes:
+            looks = self._cloud_evidence(a, cloud) / temperature + self.log_prior[0]
+            total[:, unknown] = np.logaddexp(total[:, unknown], looks)
         return np.argmax(total, axis=1)
 
     def _with_laws(self, smooth: FloatArray, plain: FloatArray, white: FloatArray) -> FloatArray:

@@ -24,7 +24,7 @@ from eaclutch.diagnosis.nameless import Nameless, nameless_fit
 from eaclutch.diagnosis.readings import of_the_reading
 from eaclutch.diagnosis.remainder import Remainder, with_remainder
 from eaclutch.diagnosis.result import CandidateResult, summarise
-from eaclutch.physics.effects import EFFECTS
+from eaclutch.physics.effects import EFFECTS, LOOKALIKES, NAMED
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.prediction import OBSERVABLES
 from eaclutch.records import (
@@ -82,8 +82,16 @@ class Study:
     ):
         self.inputs, self.thresholds, self.seed = inputs, thresholds, seed
         self.priors = {**thresholds["priors"], **(inputs.priors or {})}
-        every = inputs.candidates or tuple(name for name in EFFECTS if name not in inputs.effects)
+        for name in inputs.candidates:
+            if name in LOOKALIKES:
+                raise InputError(
+                    f"diagnosis.candidates, {name}",
+                    "is a lookalike, which is always weighed and never named",
+                    "leave it out, or switch it on in model.effects",
+                )
+        every = inputs.candidates or NAMED
         self.candidates = tuple(name for name in every if name not in inputs.effects)
+        self.lookalikes = tuple(name for name in LOOKALIKES if name not in inputs.effects)
         usable = conditions_from_runs(inputs.table, inputs.bench).run
         if len(usable) == 0:
             raise InputError(

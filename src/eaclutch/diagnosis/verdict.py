@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from eaclutch.diagnosis.result import CandidateResult
-from eaclutch.diagnosis.weigh import NONE, UNKNOWN
+from eaclutch.diagnosis.weigh import NONE, UNKNOWN, unknown_as
+from eaclutch.physics.effects import EFFECTS
 
 Effects = tuple[str, ...]
 
@@ -42,7 +43,8 @@ def decide(
         alternatives.append(effects)
         held += weights[effects]
     fitted = {r.effects: r for r in results}
-    sentence = _sentence(first, weights[first], alternatives, fitted, rules, notes)
+    like = unknown_as(results, thresholds)
+    sentence = _sentence(first, weights[first], alternatives, fitted, rules, notes, like)
     return Verdict(first, weights[first], tuple(alternatives), sentence)
 
 
@@ -53,11 +55,12 @@ def _sentence(
     fitted: Mapping[Effects, CandidateResult],
     rules: Mapping[str, Any],
     notes: Sequence[str],
+    like: str,
 ) -> str:
     if first == NONE:
         text = "no gap beyond repeatability, session spread and the base laws' tolerance"
     elif first == UNKNOWN:
-        text = _unknown(fitted.get(NONE))
+        text = _unknown(fitted.get(NONE), like)
     else:
         text = f"{in_words(first)} explains the gap best, the calibrated parameters refitted along with it"
     text += f" (probability {probability:.2f})"
@@ -65,10 +68,14 @@ def _sentence(
         text += f"; a part remains that it does not explain (p = {fitted[first].adequate_p:.2g} that noise makes it)"
     if alternatives:
         text += "; cannot be ruled out: " + ", ".join(in_words(a) for a in alternatives)
+        if like and UNKNOWN in alternatives:
+            text += f" (such as {EFFECTS[like].summary})"
     return text + (". Caveats: " + "; ".join(notes) if notes else "")
 
 
-def _unknown(base: CandidateResult | None) -> str:
+def _unknown(base: CandidateResult | None, like: str) -> str:
+    if like:
+        return f"there is a gap that no effect in the library explains as well as {EFFECTS[like].summary}"
     if base is None or not base.remainder_law:
         return "there is a gap, and a nameless smooth term explains it better than any effect in the library"
     quantity, setting = (name.replace("_", " ") for name in base.remainder_law)

@@ -14,11 +14,11 @@ import numpy as np
 from scipy.special import logsumexp
 
 from eaclutch.diagnosis.result import CandidateResult
-from eaclutch.physics.effects import BASE, EFFECTS
+from eaclutch.physics.effects import CANDIDATES, LOOKALIKES
 
 NONE: tuple[str, ...] = ()
 UNKNOWN: tuple[str, ...] = ("unknown",)
-LIBRARY = len(EFFECTS) - len(BASE)  # candidates that the library names
+LIBRARY = len(CANDIDATES)  # candidates that the library names
 
 
 def probabilities(
@@ -33,35 +33,62 @@ def probabilities(
     of its two, may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a
     block is given up. Of the nats by which the best name beats the nameless terms only a part counts
     (``against_unknown``): these stand for all laws that nobody wrote down, and such a law may look more like a library
-    effect than like them. And a name whose fit fails the absolute check gives ``misfit_share`` of its probability to
-    ``unknown``: evidence only says who is best.
+    effect than like them. Lookalikes, each as probable beforehand as an effect of the library, are written down, and
+    count in full; what they win is ``unknown``'s. And a name whose fit fails the absolute check gives ``misfit_share``
+    of its probability to ``unknown``: evidence only says who is best.
     """
-    prior = thresholds["prior"]
-    singles = [r for r in results if len(r.effects) == 1]
-    named = 1.0 - prior["none"] - prior["unknown"]
-    # an effect is as likely beforehand whether few others are weighed or many
-    count = max(LIBRARY, len(singles))
-    possible_pairs = count * (count - 1) // 2
-    share = {
-        0: prior["none"],
-        1: named * (1.0 - prior["pair_share"]) / count,
-        2: named * prior["pair_share"] / possible_pairs,
-    }
-    keys = [r.effects for r in results] + [UNKNOWN]
-    unknown = max(r.log_evidence_without_open for r in results)
-    evidence = np.array([*map(counted_evidence(results, thresholds), results), unknown])
-    log_prior = np.log([share[len(r.effects)] for r in results] + [prior["unknown"]])
-    score = evidence / thresholds["temperature"] + log_prior
-    best = max((x for x, result in zip(score, results, strict=False) if result.effects), default=-np.inf)
-    if best > score[-1]:
-        score[-1] = best - float(thresholds["against_unknown"]) * (best - score[-1])
-    found = dict(zip(keys, np.exp(score - logsumexp(score)).tolist(), strict=True))
+    score, nameless, lookalikes = _scores(results, thresholds)
+    best = max((x for effects, x in score.items() if effects), default=-np.inf)
+    if best > nameless:
+        nameless = best - float(thresholds["against_unknown"]) * (best - nameless)
+    score[UNKNOWN] = float(logsumexp([nameless, *lookalikes.values()]))
+    found = dict(
+        zip(score, np.exp(list(score.values()) - logsumexp(list(score.values()))).tolist(), strict=True)
+    )
     for result in results:
-        if result.effects and result.adequate_p < thresholds["verdict"]["adequate_p_value"]:
+        if (
+            result.effects in found
+            and result.effects
+            and result.adequate_p < thresholds["verdict"]["adequate_p_value"]
+        ):
             doubt = float(thresholds["misfit_share"]) * found[result.effects]
             found[result.effects] -= doubt
             found[UNKNOWN] += doubt
     return found
+
+
+def unknown_as(results: Sequence[CandidateResult], thresholds: Mapping[str, Any]) -> str:
+    """The lookalike that says best what ``unknown`` would be, empty where the nameless terms do."""
+    _, nameless, lookalikes = _scores(results, thresholds)
+    best = max(lookalikes, key=lambda name: lookalikes[name], default="")
+    return best if best and lookalikes[best] > nameless else ""
+
+
+def _scores(
+    results: Sequence[CandidateResult], thresholds: Mapping[str, Any]
+) -> tuple[dict[tuple[str, ...], float], float, dict[str, float]]:
+    """Log of posterior odds, up to a constant: of each set that may be named (and of none), of the nameless terms, of
+    each lookalike."""
+    prior = thresholds["prior"]
+    rivals = [r for r in results if set(r.effects) & set(LOOKALIKES)]
+    own = [r for r in results if r not in rivals]
+    named = 1.0 - prior["none"] - prior["unknown"]
+    # an effect is as likely beforehand whether few others are weighed or many
+    count = max(LIBRARY, sum(len(r.effects) == 1 for r in own))
+    share = {
+        0: prior["none"],
+        1: named * (1.0 - prior["pair_share"]) / count,
+        2: named * prior["pair_share"] / (count * (count - 1) // 2),
+    }
+    counted, temperature = counted_evidence(results, thresholds), float(thresholds["temperature"])
+
+    def score(result: CandidateResult) -> float:
+        return counted(result) / temperature + float(np.log(share[len(result.effects)]))
+
+    nameless = max(r.log_evidence_without_open for r in results) / temperature + float(
+        np.log(prior["unknown"])
+    )
+    return {r.effects: score(r) for r in own}, nameless, {r.effects[0]: score(r) for r in rivals}
 
 
 def counted_evidence(

@@ -79,11 +79,12 @@ class Effect:
 
     ``apply(sockets, inputs, values)``: new sockets; ``values`` maps the effect's parameter names (without the
     prefix) to arrays that broadcast to (draws, runs). ``draw(rng)``: a plausible random parameter set for
-    studies. ``role`` says whether the base model has it on.
+    studies. ``role``: the base model has it on; a candidate may be named; a lookalike is what a bench may do that the
+    library has no name for: it competes, and what it wins is ``unknown``'s.
     """
 
     name: str
-    role: Literal["base", "candidate"]
+    role: Literal["base", "candidate", "lookalike"]
     stage: Stage
     action: Literal["adds", "multiplies", "replaces"]
     summary: str

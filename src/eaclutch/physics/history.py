@@ -8,6 +8,7 @@ import numpy as np
 
 from eaclutch.physics.kernels.batch import RESULTS, STATUSES, simulate, trace
 from eaclutch.physics.kernels.ramp import driven_friction, slip_bottom, train_stiffness
+from eaclutch.physics.kernels.readout import lagged
 from eaclutch.physics.kernels.release import force_at
 from eaclutch.physics.kernels.tip import COLUMNS, SEGMENTS
 from eaclutch.physics.prediction import Status
@@ -57,7 +58,18 @@ def run_history(
         delay = float(row["drive_delay"])
         moving = [force_at(segments, n, t - off - delay, level) if n else level for t in time[after]]
         force[after] = moving
-    return force
+    drifted = force + float(row["reading_drift"]) * np.clip(time, 0.0, off)
+    return _read(drifted, time, float(row["readout_time"]))
+
+
+def _read(force: FloatArray, time: FloatArray, time_constant: float) -> FloatArray:
+    """What a readout with a low pass makes of the force."""
+    if time_constant <= 0.0:
+        return force
+    read = force.copy()
+    for i in range(1, len(time)):
+        read[i] = lagged(force[i - 1], force[i], read[i - 1], time[i] - time[i - 1], time_constant)
+    return read
 
 
 def _stick_slip(

@@ -142,7 +142,7 @@ def fill_rows(
             for name in ("film_static", "film_kinetic", "base_static", "base_kinetic")
         },
         "friction_before": conditions.friction_before,
-        "switch_off_force": conditions.switch_off_force,
+        "switch_off_force": conditions.switch_off_force - sockets.reading_drift * conditions.drive_duration,
         "drive_duration": conditions.drive_duration,
         "dwell": conditions.dwell,
         "stage_speed": bench.stage_speed,

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from eaclutch.physics.effect import Effect, Inputs
-from eaclutch.physics.effects import BASE, CANDIDATES, EFFECTS, STAGES
+from eaclutch.physics.effects import BASE, CANDIDATES, EFFECTS, LOOKALIKES, NAMED, STAGES
 from eaclutch.physics.sockets import Sockets
 
 # The names of the contract; the folder may hold more.
@@ -44,7 +44,8 @@ def _same(a: Sockets, b: Sockets, shape: tuple[int, ...]) -> list[str]:
 def test_the_folder_holds_what_the_contract_promises():
     assert set(BASE) >= PROMISED_BASE
     assert set(CANDIDATES) >= PROMISED_CANDIDATES
-    assert not set(BASE) & set(CANDIDATES)
+    assert sorted([*BASE, *CANDIDATES, *LOOKALIKES]) == sorted(EFFECTS)
+    assert set(NAMED) == {*BASE, *CANDIDATES}, "a lookalike is never said"
 
 
 @every_effect
@@ -66,7 +67,7 @@ def test_parameters_are_within_their_bounds(effect: Effect):
         assert p.unit
         if p.neutral is not None:
             assert low <= p.neutral <= high
-        if effect.role == "candidate" and p.neutral is not None:
+        if effect.role != "base" and p.neutral is not None:
             assert p.default == p.neutral, "a candidate is off unless it is asked for"
 
 

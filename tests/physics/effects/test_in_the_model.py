@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from eaclutch.physics.effect import Effect
-from eaclutch.physics.effects import BASE, CANDIDATES, EFFECTS
+from eaclutch.physics.effects import BASE, CANDIDATES, EFFECTS, LOOKALIKES
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.prediction import PART, Status
 from eaclutch.records import Bench, RunConditions, Substrate
 
 BENCH = Bench("bench", substrates={"brass": Substrate(8338.5, 7.26e-4, 0.1, {2e-3: 2e-3, 6e-3: 3e-3})})
-every_candidate = pytest.mark.parametrize("effect", [EFFECTS[name] for name in CANDIDATES], ids=CANDIDATES)
+OPTIONAL = (*CANDIDATES, *LOOKALIKES)
+every_candidate = pytest.mark.parametrize("effect", [EFFECTS[name] for name in OPTIONAL], ids=OPTIONAL)
 
 
 @pytest.fixture(scope="module")

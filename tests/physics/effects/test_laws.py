@@ -94,6 +94,23 @@ CASES = {
             "friction_factor": [1.0, 1.0, 1.05127110, 1.05127110],
         },
     ),
+    "reading_drift": (
+        {"rate": 0.04, "voltage_exponent": 2.0},
+        {"reading_drift": [0.04, 0.04, 0.01, 0.0]},
+    ),
+    "readout_lag": ({"time_constant": 3e-4}, {"readout_time": 3e-4}),
+    # 0.5 * (0.1, 1e-5, 1e-3, 0.1)^2 and, 4 mm wide, twice that to the power 1/2: 1 / 1.005^2, .., 1 / 1.00000071^2
+    "supply_sag": (
+        {"sag": 0.5, "frequency_exponent": 2.0, "width_exponent": 0.5},
+        {"force_factor": [0.99007450, 1.0, 0.99999859, 0.99007450]},
+    ),
+    # 4 mm: 5/8 of it beyond 1.5 mm, of which 0.4; 2 mm: 1/4
+    "lost_area": ({"share": 0.4, "sound_width": 1.5e-3}, {"force_factor": [0.9, 0.9, 0.75, 0.9]}),
+    # 0.2 N: 0.4 to the power 1/2; 0.5 N: 1
+    "wet_film": (
+        {"gain": 6.0, "preload_exponent": 0.5},
+        {"damping_factor": [3.7947332, 3.7947332, 6.0, 3.7947332]},
+    ),
     # t_10-90 / ln 9, half of it at half strength
     "drive_rise_fall": (
         {"strength": 0.5},

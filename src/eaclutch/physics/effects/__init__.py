@@ -28,3 +28,5 @@ def _find() -> Mapping[str, Effect]:
 EFFECTS: Mapping[str, Effect] = _find()
 BASE: tuple[str, ...] = tuple(name for name, effect in EFFECTS.items() if effect.role == "base")
 CANDIDATES: tuple[str, ...] = tuple(name for name, effect in EFFECTS.items() if effect.role == "candidate")
+LOOKALIKES: tuple[str, ...] = tuple(name for name, effect in EFFECTS.items() if effect.role == "lookalike")
+NAMED: tuple[str, ...] = tuple(name for name in EFFECTS if name not in LOOKALIKES)  # what a diagnosis may say

@@ -10,7 +10,8 @@ from numba import prange
 from eaclutch.physics.kernels.compiled import compiled, compiled_parallel, unmanaged
 from eaclutch.physics.kernels.engagement import engagement_time
 from eaclutch.physics.kernels.ramp import driven_run
-from eaclutch.physics.kernels.release import crossing, final_force, release
+from eaclutch.physics.kernels.readout import read_crossings
+from eaclutch.physics.kernels.release import final_force, release
 from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, PULL_IN, TIMED_OUT, driven_gap, rest_before
 from eaclutch.physics.kernels.tip import COLUMNS, SEGMENTS
 from eaclutch.physics.tables import Tables
@@ -75,9 +76,10 @@ def simulate(p, tables, engage, releasing, fraction, tolerance, segments, work, 
     if way <= 0.0:
         status[2] = NEVER_SLIPS
         return n
-    out[10] = crossing(segments, n, out[4] - 0.1 * way) + p.drive_delay
-    out[11] = crossing(segments, n, out[4] - 0.5 * way) + p.drive_delay
-    out[12] = crossing(segments, n, out[4] - 0.9 * way) + p.drive_delay
+    levels = work[0]
+    levels[0], levels[1], levels[2] = out[4] - 0.1 * way, out[4] - 0.5 * way, out[4] - 0.9 * way
+    read_crossings(p, segments, n, out[4], levels[:3], out[10:13])
+    out[10:13] += p.drive_delay
     if math.isnan(out[12]):
         status[2] = TIMED_OUT
     return n

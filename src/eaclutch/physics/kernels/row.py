@@ -27,6 +27,8 @@ ROW = np.dtype(
             "static_factor_ramp", "weakening_depth", "weakening_speed",
             # load train
             "stiffness", "mass", "load_cell_damping", "load_cell_dynamic", "added_mass", "series_compliance",
+            # readout
+            "readout_time", "reading_drift",
             # run
             "friction_before", "switch_off_force", "slip_phase", "drive_duration", "dwell", "stage_speed",
         )

@@ -1,0 +1,85 @@
+"""What only looks like an effect of the library competes with it, and is never named."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+
+from diagnosis.simulated import inputs
+from eaclutch.diagnosis.conclude import conclude
+from eaclutch.diagnosis.pairs import with_pairs
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.weigh import UNKNOWN, probabilities, unknown_as
+from eaclutch.physics.effects import BASE, LOOKALIKES
+from eaclutch.records import InputError
+
+THRESHOLDS = load_thresholds()
+
+
+def weighed(effects, evidence, remainder=-1e3):
+    return SimpleNamespace(
+        effects=effects, log_evidence=evidence, log_evidence_open=remainder, log_evidence_without=0.0,
+        log_evidence_without_open=10.0, gap_left_out=1.0, adequate_p=1.0,
+    )  # fmt: skip
+
+
+def test_what_a_lookalike_wins_is_unknowns():
+    results = [weighed((), 0.0), weighed(("substrate_inertia",), 40.0)]
+    alone = probabilities(results, THRESHOLDS)
+    behind = probabilities([*results, weighed(("readout_lag",), 20.0)], THRESHOLDS)
+    level = probabilities([*results, weighed(("readout_lag",), 40.0)], THRESHOLDS)
+    ahead = probabilities([*results, weighed(("readout_lag",), 60.0)], THRESHOLDS)
+    assert behind[UNKNOWN] == pytest.approx(alone[UNKNOWN], abs=1e-6)
+    # as probable beforehand as any effect of the library
+    assert level[UNKNOWN] == pytest.approx(
+        level["substrate_inertia",]
+        + alone[UNKNOWN] * level["substrate_inertia",] / alone["substrate_inertia",]
+    )
+    assert ahead[UNKNOWN] > 0.99
+    for found in (behind, level, ahead):
+        assert set(found) == {(), ("substrate_inertia",), UNKNOWN}
+        assert sum(found.values()) == pytest.approx(1.0)
+
+
+def test_it_speaks_for_unknown_where_it_beats_the_nameless_terms():
+    base = weighed((), 0.0)
+    assert unknown_as([base], THRESHOLDS) == ""
+    assert unknown_as([base, weighed(("wet_film",), 3.0)], THRESHOLDS) == ""
+    assert (
+        unknown_as([base, weighed(("wet_film",), 30.0), weighed(("lost_area",), 20.0)], THRESHOLDS)
+        == "wet_film"
+    )
+
+
+@pytest.fixture(scope="module")
+def slow_readout():
+    return inputs(("readout_lag",), {"readout_lag.time_constant": 3.5e-4})
+
+
+def test_a_slow_readout_is_unknown_and_the_sentence_says_what_it_is_like(slow_readout):
+    study = Study(slow_readout, THRESHOLDS, seed=3)
+    results = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
+    document = conclude(study, with_pairs(study, results, 0))
+    assert document["verdict"]["effects"] == ["unknown"]
+    assert "a low pass behind the load cell" in document["verdict"]["why"]
+    assert {row["phase"] for row in document["where"]} >= {"release"}
+    said = {name for entry in document["hypotheses"] for name in entry["effects"]}
+    assert not said & set(LOOKALIKES)
+    assert not {cause["effect"] for cause in document["causes"]} & set(LOOKALIKES)
+
+
+def test_none_is_weighed_where_there_is_nothing_to_name():
+    study = Study(inputs(), THRESHOLDS, seed=3)
+    results = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
+    assert with_pairs(study, results, 0) == results
+
+
+def test_one_that_the_model_has_on_does_not_compete(slow_readout):
+    study = Study(replace(slow_readout, effects=(*BASE, "readout_lag")), THRESHOLDS, seed=3)
+    assert "readout_lag" not in (*study.lookalikes, *study.candidates)
+
+
+def test_none_is_weighed_by_name(slow_readout):
+    with pytest.raises(InputError, match=r"candidates, readout_lag: .* model\.effects"):
+        Study(replace(slow_readout, candidates=("gap_tilt", "readout_lag")), THRESHOLDS, seed=3)
