@@ -55,6 +55,7 @@ def with_pairs(
         _better(spread, results, further, counted)
         # a name must also hold against what only looks like it
         lookalikes = spread(_weigh, [_Fit((name,)) for name in study.lookalikes]) if leaders else []
+        _better(spread, lookalikes, _afresh(study, lookalikes), counted)
     return results + pairs + lookalikes
 
 
