@@ -75,7 +75,10 @@ def _sentence(
 
 def _unknown(base: CandidateResult | None, like: str) -> str:
     if like:
-        return f"there is a gap that no effect in the library explains as well as {EFFECTS[like].summary}"
+        return (
+            f"there is a gap that no effect in the library explains as well as this does: {EFFECTS[like].summary} "
+            f"(model.effects: {like} puts it in)"
+        )
     if base is None or not base.remainder_law:
         return "there is a gap, and a nameless smooth term explains it better than any effect in the library"
     quantity, setting = (name.replace("_", " ") for name in base.remainder_law)
