@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from eaclutch.diagnosis.fit import scout_shifts
 from eaclutch.diagnosis.forecast import SURE, Forecast
 from eaclutch.diagnosis.modulated import changes
 from eaclutch.diagnosis.planned import plan_of, planned_study
@@ -78,3 +79,16 @@ def test_what_changes_with_frequency_is_unknown_to_the_forecast_too(forecast, mo
     assert np.mean(forecast.verdicts(data) == unknown) > 0.9
     monkeypatch.setattr(forecast, "laws", [])
     assert np.mean(forecast.verdicts(data) == unknown) < 0.2
+
+
+def test_what_a_lookalike_does_is_unknown_to_the_forecast_too(forecast, monkeypatch):
+    """A slow readout delays the release as a late trigger does, the more the slower the force falls."""
+    study = forecast.study
+    shifts = scout_shifts(study.forward(("readout_lag",)), study.base)[0]
+    distance = np.linalg.norm(forecast._whiten(shifts), axis=1)
+    shift = shifts[np.argmax(distance)] * min(1.0, 12.0 / distance.max())
+    data = forecast.simulate(shift, 200, np.random.default_rng(8))
+    unknown = forecast.names.index("unknown")
+    assert np.mean(forecast.verdicts(data) == unknown) > 0.9
+    monkeypatch.setattr(forecast, "lookalikes", [])
+    assert np.mean(forecast.verdicts(data) == unknown) < 0.5

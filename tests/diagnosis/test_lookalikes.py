@@ -63,6 +63,7 @@ def test_a_slow_readout_is_unknown_and_the_sentence_says_what_it_is_like(slow_re
     document = conclude(study, with_pairs(study, results, 0))
     assert document["verdict"]["effects"] == ["unknown"]
     assert "a low pass behind the load cell" in document["verdict"]["why"]
+    assert "; model.effects with readout_lag shows what is left" in document["verdict"]["why"]
     assert {row["phase"] for row in document["where"]} >= {"release"}
     said = {name for entry in document["hypotheses"] for name in entry["effects"]}
     assert not said & set(LOOKALIKES)

@@ -119,7 +119,9 @@ rule confusion:
         bench=bench(),
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("confusion"),
-        code=code("diagnosis.forecast", "diagnosis.planned", effects=[*EFFECTS_ON, *CANDIDATES]),
+        code=code(
+            "diagnosis.forecast", "diagnosis.planned", effects=[*EFFECTS_ON, *CANDIDATES, *LOOKALIKES]
+        ),
     message:
         "confusion: what this design could tell apart"
     shell:

@@ -16,7 +16,7 @@ from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import Verdict, decide
-from eaclutch.diagnosis.weigh import NONE, UNKNOWN, by_effect, probabilities, unknown_as
+from eaclutch.diagnosis.weigh import NONE, UNKNOWN, by_effect, probabilities
 from eaclutch.records import FloatArray
 
 CAMPAIGNS = 400  # simulated, for every p-value and the noise floor
@@ -90,8 +90,7 @@ def _explained(
 ) -> FloatArray | None:
     """What of the base model's errors (entries,) the verdict accounts for; None where there is no gap."""
     if verdict.effects == UNKNOWN:
-        like = unknown_as(results, study.thresholds)
-        said = [np.array(r.shift) for r in results if r.effects == (like,)]
+        said = [np.array(r.shift) for r in results if r.effects == (verdict.like,)]
         return said[0] if said else study.remainder.discrepancy
     return np.array(after.shift) if after.effects else None
 

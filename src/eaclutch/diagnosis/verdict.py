@@ -15,12 +15,14 @@ Effects = tuple[str, ...]
 
 @dataclass(frozen=True)
 class Verdict:
-    """effects: (), ("unknown",), one name or two; alternatives: sets that cannot be ruled out against it."""
+    """effects: (), ("unknown",), one name or two; alternatives: sets that cannot be ruled out against it; like: the
+    lookalike that says best what ``unknown`` would be, or empty."""
 
     effects: Effects
     probability: float
     alternatives: tuple[Effects, ...]
     why: str
+    like: str
 
 
 def decide(
@@ -45,7 +47,7 @@ def decide(
     fitted = {r.effects: r for r in results}
     like = unknown_as(results, thresholds)
     sentence = _sentence(first, weights[first], alternatives, fitted, rules, notes, like)
-    return Verdict(first, weights[first], tuple(alternatives), sentence)
+    return Verdict(first, weights[first], tuple(alternatives), sentence, like)
 
 
 def _sentence(
@@ -70,15 +72,14 @@ def _sentence(
         text += "; cannot be ruled out: " + ", ".join(in_words(a) for a in alternatives)
         if like and UNKNOWN in alternatives:
             text += f" (such as {EFFECTS[like].summary})"
+    if like and first == UNKNOWN:
+        text += f"; model.effects with {like} shows what is left beside it"
     return text + (". Caveats: " + "; ".join(notes) if notes else "")
 
 
 def _unknown(base: CandidateResult | None, like: str) -> str:
     if like:
-        return (
-            f"there is a gap that no effect in the library explains as well as this does: {EFFECTS[like].summary} "
-            f"(model.effects: {like} puts it in)"
-        )
+        return f"there is a gap that no effect in the library explains as well as this does: {EFFECTS[like].summary}"
     if base is None or not base.remainder_law:
         return "there is a gap, and a nameless smooth term explains it better than any effect in the library"
     quantity, setting = (name.replace("_", " ") for name in base.remainder_law)
