@@ -55,7 +55,7 @@ def test_what_needed_wide_tolerances_is_fitted_afresh_and_nothing_else_is():
     wide = SimpleNamespace(effects=("gap_tilt",), multipliers=(4.0, 1.0))
     (fit,) = _afresh(study, [usual, wide])
     assert fit.effects == ("gap_tilt",)
-    assert fit.afresh
+    assert fit.afresh == (4.0, 1.0)  # as wide as it was found to need
 
 
 def test_fits_are_the_same_in_one_process_and_in_two_and_come_in_order():
@@ -63,7 +63,7 @@ def test_fits_are_the_same_in_one_process_and_in_two_and_come_in_order():
     study.weigh(())
     fits = [
         _Fit(("trigger_latency",)),
-        _Fit(("series_compliance",), afresh=True),
+        _Fit(("series_compliance",), afresh=(1.0, 1.0)),
         _Fit(("stray_capacitance",)),
     ]
     with Spread(study) as one, Spread(study, 2) as two:
@@ -76,7 +76,7 @@ def test_a_fit_made_afresh_needs_no_base_fit():
     study = Study(
         inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}), load_thresholds(), seed=3
     )
-    afresh = study.fit(("series_compliance",), afresh=True)
+    afresh = study.fit(("series_compliance",), afresh=(1.0, 1.0))
     assert "base" not in study.__dict__
     usual = study.fit(("series_compliance",))
     assert afresh.log_evidence == pytest.approx(usual.log_evidence, abs=1.0)

@@ -71,17 +71,18 @@ def fit_hypothesis(
     base: HypothesisFit | None = None,
     beyond: HypothesisFit | None = None,
     seeds: Mapping[str, float] | None = None,
+    size: tuple[float, float] = (1.0, 1.0),
 ) -> HypothesisFit:
     """Fit ``forward``'s hypothesis, starting from the base fit where there is one.
 
     An effect's own parameters are scouted over their prior first (the calibrated ones follow linearly), so
     that a fit does not depend on where it starts; on top of the fit of one of two effects, ``beyond`` which it goes,
     the other one's are. ``seeds``: parameters known from elsewhere (the fits of each of two effects alone; a first fit
-    of the same data) make a further start, and the only one of a fit from scratch.
+    of the same data) make a further start, and the only one of a fit from scratch. ``size``: multipliers (tolerance,
+    session) that it begins with, where another fit has found how large the gap is.
     """
     share = thresholds["signature_tolerance"]
     best: HypothesisFit | None = None
-    size = (1.0, 1.0)
     for _ in range(ROUNDS):
 
         def covariance_at(theta: FloatArray, size: tuple[float, float] = size) -> FloatArray:

@@ -28,7 +28,7 @@ class _Fit:
     effects: tuple[str, ...]
     seeds: Mapping[str, float] | None = None
     beyond: HypothesisFit | None = None
-    afresh: bool = False
+    afresh: tuple[float, float] | None = None
 
 
 def with_pairs(
@@ -94,9 +94,9 @@ def _again(single: CandidateResult, other: CandidateResult) -> _Fit:
 
 
 def _afresh(study: Study, results: Sequence[CandidateResult]) -> list[_Fit]:
-    """The same fits from scratch, of those that needed wider tolerances than usual."""
+    """The same fits from scratch, with the wider tolerances that they needed, of those that needed any."""
     widest = max(study.thresholds["multipliers"]["tolerance"]["values"])
-    return [_Fit(r.effects, afresh=True) for r in results if r.multipliers[0] > widest]
+    return [_Fit(r.effects, afresh=r.multipliers) for r in results if r.multipliers[0] > widest]
 
 
 def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:

@@ -234,15 +234,16 @@ class Study:
         seeds: Mapping[str, float] | None = None,
         beyond: HypothesisFit | None = None,
         *,
-        afresh: bool = False,
+        afresh: tuple[float, float] | None = None,
     ) -> HypothesisFit:
         """Joint fit with ``effects`` on top of the campaign's model; ``beyond``: the fit of one of two effects, on top
-        of which the other is tried; ``afresh``: from draws of all parameters, not from where the base fit stands."""
+        of which the other is tried; ``afresh``: from draws of all parameters, not from where the base fit stands, and
+        around a gap of that size (multipliers of tolerance and session)."""
         if not effects:
             return self.base
         return fit_hypothesis(
             self.forward(effects), self.data, self.kernels, self.thresholds,
-            base=None if afresh else self.base, beyond=beyond, seeds=seeds,
+            base=None if afresh else self.base, beyond=beyond, seeds=seeds, size=afresh or (1.0, 1.0),
         )  # fmt: skip
 
     def weigh(
@@ -251,7 +252,7 @@ class Study:
         seeds: Mapping[str, float] | None = None,
         beyond: HypothesisFit | None = None,
         *,
-        afresh: bool = False,
+        afresh: tuple[float, float] | None = None,
     ) -> CandidateResult:
         """Fit and score one hypothesis; ``seeds``: parameters to start from as well; ``beyond``, ``afresh``: as
         for fit."""
@@ -268,8 +269,9 @@ class Study:
         if not fitted.effects or fitted.log_evidence < plain + WORTH_OPENING:
             return plain, remainder
         again = fit_hypothesis(
-            self.forward(()), self.data, self.kernels, self.thresholds, seeds=fitted.parameters
-        )
+            self.forward(()), self.data, self.kernels, self.thresholds,
+            base=self.base, seeds=fitted.parameters, size=self.base.size,
+        )  # fmt: skip
         gain = max(again.log_evidence - plain, 0.0)
         if gain < SAME_PLACE:
             return plain + gain, remainder + gain
