@@ -111,6 +111,11 @@ CASES = {
         {"gain": 6.0, "preload_exponent": 0.5},
         {"damping_factor": [3.7947332, 3.7947332, 6.0, 3.7947332]},
     ),
+    # 4 mm: twice the width to the power 1/2
+    "viscous_drag": (
+        {"drag": 2.0, "width_exponent": 0.5},
+        {"side_damping": [2.0, 2.0, 2.8284271, 2.0]},
+    ),
     # t_10-90 / ln 9, half of it at half strength
     "drive_rise_fall": (
         {"strength": 0.5},
