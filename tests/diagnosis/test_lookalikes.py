@@ -31,9 +31,9 @@ def test_what_a_lookalike_wins_is_unknowns():
     level = probabilities([*results, weighed(("readout_lag",), 40.0)], THRESHOLDS)
     ahead = probabilities([*results, weighed(("readout_lag",), 60.0)], THRESHOLDS)
     assert behind[UNKNOWN] == pytest.approx(alone[UNKNOWN], abs=1e-6)
-    # as probable beforehand as any effect of the library
+    # less probable beforehand than an effect of the library
     assert level[UNKNOWN] == pytest.approx(
-        level["substrate_inertia",]
+        THRESHOLDS["prior"]["lookalike_share"] * level["substrate_inertia",]
         + alone[UNKNOWN] * level["substrate_inertia",] / alone["substrate_inertia",]
     )
     assert ahead[UNKNOWN] > 0.99

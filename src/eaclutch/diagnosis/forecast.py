@@ -65,10 +65,8 @@ class Forecast:
         thresholds = study.thresholds
         prior = thresholds["prior"]
         named = (1.0 - prior["none"] - prior["unknown"]) / max(LIBRARY, len(self.clouds))
-        self.log_named = float(np.log(named))
-        self.log_prior = np.array(
-            [self.log_named] * len(self.clouds) + np.log([prior["unknown"], prior["none"]]).tolist()
-        )
+        self.log_prior = np.log([named] * len(self.clouds) + [prior["unknown"], prior["none"]])
+        self.log_lookalike = float(np.log(named * prior["lookalike_share"]))
         self.nameless_roots = [
             np.linalg.cholesky(self.covariance + self.kernels.tolerance * (factor**2 - 1.0))
             for factor in thresholds["nameless"]["factors"]
@@ -112,7 +110,7 @@ class Forecast:
         total = np.stack(scores, axis=1) / temperature + self.log_prior
         unknown = self.names.index("unknown")
         for cloud in self.lookalikes:
-            looks = self._cloud_evidence(a, cloud) / temperature + self.log_named
+            looks = self._cloud_evidence(a, cloud) / temperature + self.log_lookalike
             total[:, unknown] = np.logaddexp(total[:, unknown], looks)
         return np.argmax(total, axis=1)
 

@@ -33,9 +33,9 @@ def probabilities(
     of its two, may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a
     block is given up. Of the nats by which the best name beats the nameless terms only a part counts
     (``against_unknown``): these stand for all laws that nobody wrote down, and such a law may look more like a library
-    effect than like them. Lookalikes, each as probable beforehand as an effect of the library, are written down, and
-    count in full; what they win is ``unknown``'s. And a name whose fit fails the absolute check gives ``misfit_share``
-    of its probability to ``unknown``: evidence only says who is best.
+    effect than like them. Lookalikes, each less probable beforehand than an effect of the library
+    (``lookalike_share``), are written down, and count in full; what they win is ``unknown``'s. And a name whose fit
+    fails the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence only says who is best.
     """
     score, nameless, lookalikes = _scores(results, thresholds)
     best = max((x for effects, x in score.items() if effects), default=-np.inf)
@@ -88,7 +88,8 @@ def _scores(
     nameless = max(r.log_evidence_without_open for r in results) / temperature + float(
         np.log(prior["unknown"])
     )
-    return {r.effects: score(r) for r in own}, nameless, {r.effects[0]: score(r) for r in rivals}
+    less = float(np.log(prior["lookalike_share"]))
+    return {r.effects: score(r) for r in own}, nameless, {r.effects[0]: score(r) + less for r in rivals}
 
 
 def counted_evidence(
