@@ -1,6 +1,7 @@
 """Which two effects are weighed together: a second one is looked for where the first one has already been fitted."""
 
 from dataclasses import replace
+from itertools import combinations
 from types import SimpleNamespace
 
 import numpy as np
@@ -30,9 +31,13 @@ def test_a_second_effect_is_found_that_shows_only_beside_the_first():
     # fitted around so large a gap, and checked at usual tolerances all the same
     assert alone.multipliers[0] > 2.0
     assert alone.adequate_p < 0.01
-    best = weigh_pairs(Spread(study), singles, 1)[0]
+    best, *others = weigh_pairs(Spread(study), singles, 1)
     assert best.effects == ("load_cell_dynamics", "series_compliance")
     assert best.log_evidence > max(r.log_evidence for r in singles) + 50.0
+    # around so large a gap the foremost singles' pairs are fitted beyond the limit, too
+    foremost = sorted(singles, key=counted_evidence(singles, study.thresholds), reverse=True)[:3]
+    names = sorted(single.effects[0] for single in foremost)
+    assert {best.effects} | {pair.effects for pair in others} >= set(combinations(names, 2))
 
 
 def test_a_base_fit_that_did_better_elsewhere_does_not_end_the_search_for_more():

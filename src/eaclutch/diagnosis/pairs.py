@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -19,6 +20,7 @@ Counted = Callable[[CandidateResult], float]
 WORTH_A_PAIR = 4.0  # nats that the best single effect must gain
 WORTH_AGAIN = 3.0  # nats that a pair gains over one of its effects
 LEADERS = 4  # singles that a second effect is tried on top of
+FOREMOST = 3  # of these, whose pairs with each other are weighed whatever slopes promise around a large gap
 
 
 @dataclass(frozen=True)
@@ -95,12 +97,19 @@ def _again(single: CandidateResult, other: CandidateResult) -> _Fit:
 
 def _afresh(study: Study, results: Sequence[CandidateResult]) -> list[_Fit]:
     """The same fits from scratch, with the wider tolerances that they needed, of those that needed any."""
-    widest = max(study.thresholds["multipliers"]["tolerance"]["values"])
-    return [_Fit(r.effects, afresh=r.multipliers) for r in results if r.multipliers[0] > widest]
+    return [_Fit(r.effects, afresh=r.multipliers) for r in results if _is_wide(study, r)]
+
+
+def _is_wide(study: Study, result: CandidateResult) -> bool:
+    """Whether a fit leaves a gap that needs wider tolerances than an evidence may take."""
+    return result.multipliers[0] > max(study.thresholds["multipliers"]["tolerance"]["values"])
 
 
 def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
-    """Fit the ``limit`` most promising pairs, each also from the fit of the one effect with the other on top."""
+    """Fit the ``limit`` most promising pairs, each also from the fit of the one effect with the other on top.
+
+    Around a gap that no single effect narrows slopes promise badly: the pairs of the foremost singles are fitted, too.
+    """
     counted = counted_evidence(singles, spread.study.thresholds)
     named = sorted((r for r in singles if len(r.effects) == 1), key=counted, reverse=True)
     plain = max((r.log_evidence for r in singles if not r.effects), default=-np.inf)
@@ -116,6 +125,9 @@ def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) 
             if promise > promises.get((first, second), (-np.inf, fitted))[0]:
                 promises[first, second] = promise, fitted
     best = sorted(promises, key=lambda pair: -promises[pair][0])[:limit]
+    if _is_wide(spread.study, leaders[0]):
+        names = sorted(leader.effects[0] for leader in leaders[:FOREMOST])
+        best += [pair for pair in combinations(names, 2) if pair not in best]
     alone = {r.effects[0]: r for r in named}
     fits = [
         _Fit(pair, _seeds([alone[name] for name in pair if name in alone]), promises[pair][1])
