@@ -2,13 +2,14 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import jsonschema
 import numpy as np
 import pytest
 
 from diagnosis.simulated import BENCH, CANDIDATES, CONDITIONS, inputs
-from eaclutch.diagnosis.conclude import conclude
+from eaclutch.diagnosis.conclude import conclude, own_parameters
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
@@ -59,6 +60,27 @@ def test_a_compliant_train_is_named_and_its_size_found(compliant):
     assert cause["delta_elpd"] > cause["delta_elpd_se"] > 0
     assert compliant["closure"]["shrinkage"] > 0.6
     assert {row["phase"] for row in compliant["where"]} & {"ramp", "release"}
+
+
+def test_the_parameters_of_a_cause_are_those_of_the_most_probable_set_that_holds_it():
+    """Beside a second missing effect what an effect is alone stands in for both."""
+    soft, late = ("series_compliance",), ("series_compliance", "trigger_latency")
+    results = [
+        SimpleNamespace(effects=(), parameters={}),
+        SimpleNamespace(effects=soft, parameters={"compliance": {"mean": 1.2e-4}}),
+        SimpleNamespace(
+            effects=late,
+            parameters={
+                "series_compliance.compliance": {"mean": 4e-5},
+                "trigger_latency.delay": {"mean": 3e-4},
+            },
+        ),
+    ]
+    together = own_parameters("series_compliance", results, {(): 0.0, soft: 0.2, late: 0.8})
+    assert together == {"compliance": {"mean": 4e-5}}
+    alone = own_parameters("series_compliance", results, {(): 0.0, soft: 0.8, late: 0.2})
+    assert alone == {"compliance": {"mean": 1.2e-4}}
+    assert own_parameters("gas_slip", results, {(): 1.0}) == {}
 
 
 def test_what_is_left_out_is_predicted_by_a_fit_without_it():

@@ -106,7 +106,11 @@ def causes(
     weights: Mapping[tuple[str, ...], float],
     squares: FloatArray,
 ) -> list[dict[str, Any]]:
-    """One entry a candidate, and one each for ``unknown`` and ``none``, the most probable first."""
+    """One entry a candidate, and one each for ``unknown`` and ``none``, the most probable first.
+
+    What closes, and the gain, are of the effect alone; its parameters are those of the most probable set that holds it,
+    for alone it would stand in for others.
+    """
     base = next(r for r in results if r.effects == NONE)
     single = {r.effects[0]: r for r in results if len(r.effects) == 1}
     marginal = by_effect(weights)
@@ -124,12 +128,29 @@ def causes(
                 "adequate_after": bool(
                     result.adequate_p >= study.thresholds["verdict"]["adequate_p_value"]
                 ),
-                "parameters": dict(result.parameters) if name in single else {},
+                "parameters": own_parameters(name, results, weights),
                 "indistinguishable_from": indistinguishable(name, single, weights, study.thresholds),
             }
         )  # fmt: skip
     entries.sort(key=lambda entry: (-entry["probability"], entry["effect"]))
     return entries
+
+
+def own_parameters(
+    name: str, results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...], float]
+) -> dict[str, Any]:
+    """{parameter: {mean, sd, unit}} of an effect in the most probable set that holds it; empty where none does."""
+    holding = [r for r in results if name in r.effects]
+    if not holding:
+        return {}
+    best = max(holding, key=lambda r: weights.get(r.effects, 0.0))
+    if len(best.effects) == 1:
+        return dict(best.parameters)
+    return {
+        full.removeprefix(f"{name}."): entry
+        for full, entry in best.parameters.items()
+        if full.startswith(f"{name}.")
+    }
 
 
 def indistinguishable(

@@ -36,12 +36,12 @@ def finalists(diagnosis: Mapping[str, Any], most: int = 3) -> list[Effects]:
 
 
 def fit_of(study: Study, effects: Effects, diagnosis: Mapping[str, Any]) -> HypothesisFit:
-    """The finalist's fit, started from what each of its effects was alone."""
-    alone = {cause["effect"]: cause.get("parameters", {}) for cause in diagnosis["causes"]}
+    """The finalist's fit, started from what the diagnosis found of each of its effects."""
+    known = {cause["effect"]: cause.get("parameters", {}) for cause in diagnosis["causes"]}
     seeds = {
         f"{effect}.{name}": float(entry["mean"])
         for effect in effects
-        for name, entry in alone.get(effect, {}).items()
+        for name, entry in known.get(effect, {}).items()
     }
     return study.fit(effects, seeds if len(effects) > 1 else None)
 
