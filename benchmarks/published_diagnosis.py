@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from multiprocessing import Pool
 from pathlib import Path
@@ -64,6 +64,12 @@ def main() -> None:
         for name, verdict in pool.imap_unordered(keep, jobs):
             print(name, verdict["effects"], f"{verdict['probability']:.2f}", flush=True)
     found = {name: read_json(path) for name, _, path in jobs}
+    levels = chosen.work / "left_out_levels.json"
+    if not levels.is_file():
+        write_json(
+            levels, {"commit": commit(), **left_out_levels(Study(inputs, load_thresholds()), found["full"])}
+        )
+    found["full"]["left_out_levels"] = read_json(levels)
     if chosen.record:
         command = "python benchmarks/published_diagnosis.py --campaign <published> --results results/published --record"
         record("published_checks", command, {"checks": found})
@@ -73,32 +79,37 @@ def keep(job: tuple[str, DiagnosisInputs, Path]) -> tuple[str, dict[str, Any]]:
     """One check, done unless its file is there; its name and verdict."""
     name, inputs, path = job
     if not path.is_file():
-        write_json(path, {"commit": commit(), **check(inputs, name == "full")})
+        write_json(path, {"commit": commit(), **check(inputs)})
     return name, read_json(path)["verdict"]
 
 
-def check(inputs: DiagnosisInputs, levels: bool) -> dict[str, Any]:
-    """Verdict, closure and the leading hypotheses of one variant; ``levels``: predictions of left-out levels too."""
+def check(inputs: DiagnosisInputs) -> dict[str, Any]:
+    """Verdict, closure and the leading hypotheses of one variant."""
     study = Study(inputs, load_thresholds())
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found = with_pairs(study, found, PAIRS)
     document = conclude(study, found)
     named = tuple(document["verdict"]["effects"])
-    out = {
+    return {
         "verdict": document["verdict"],
         "closure": document["closure"],
         "hypotheses": document["hypotheses"][:5],
         "parameters": {e["effect"]: e["parameters"] for e in document["causes"] if e["effect"] in named},
         "absorbed": document["absorbed"],
     }
-    return out | ({"left_out_levels": left_out_levels(study, named)} if levels else {})
 
 
-def left_out_levels(study: Study, named: Sequence[str]) -> dict[str, Any]:
+def left_out_levels(study: Study, found: Mapping[str, Any]) -> dict[str, Any]:
     """Each width, thickness and preload bin predicted from the others: mean square error over the repeats' variance,
-    by the base model, the verdict's, and the base model with the nameless smooth term carried over."""
-    base = study.base.linearised
-    verdict = study.fit(tuple(named)).linearised if named and named != ("unknown",) else base
+    by the base model, the verdict of the check ``found``, from where its fit stands, and the base model with the
+    nameless smooth term carried over."""
+    base = verdict = study.base.linearised
+    named = tuple(name for name in found["parameters"] if name != "unknown")
+    if named:
+        seeds = {name: float(entry["after"]) for name, entry in found["absorbed"].items()}
+        for effect, parameters in found["parameters"].items():
+            seeds |= {f"{effect}.{name}": float(entry["mean"]) for name, entry in parameters.items()}
+        verdict = study.fit(named, seeds, afresh=study.base.multipliers).linearised
     data, runs = study.data, study.data.run_entries
     first = [int(np.flatnonzero(data.groups == group)[0]) for group in data.entry_group]
     bins = np.digitize(study.preload[first], (0.25, 0.75, 1.5))
