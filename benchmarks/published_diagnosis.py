@@ -64,12 +64,6 @@ def main() -> None:
         for name, verdict in pool.imap_unordered(keep, jobs):
             print(name, verdict["effects"], f"{verdict['probability']:.2f}", flush=True)
     found = {name: read_json(path) for name, _, path in jobs}
-    levels = chosen.work / "left_out_levels.json"
-    if not levels.is_file():
-        write_json(
-            levels, {"commit": commit(), **left_out_levels(Study(inputs, load_thresholds()), found["full"])}
-        )
-    found["full"]["left_out_levels"] = read_json(levels)
     if chosen.record:
         command = "python benchmarks/published_diagnosis.py --campaign <published> --results results/published --record"
         record("published_checks", command, {"checks": found})
@@ -79,24 +73,25 @@ def keep(job: tuple[str, DiagnosisInputs, Path]) -> tuple[str, dict[str, Any]]:
     """One check, done unless its file is there; its name and verdict."""
     name, inputs, path = job
     if not path.is_file():
-        write_json(path, {"commit": commit(), **check(inputs)})
+        write_json(path, {"commit": commit(), **check(inputs, name == "full")})
     return name, read_json(path)["verdict"]
 
 
-def check(inputs: DiagnosisInputs) -> dict[str, Any]:
-    """Verdict, closure and the leading hypotheses of one variant."""
+def check(inputs: DiagnosisInputs, levels: bool) -> dict[str, Any]:
+    """Verdict, closure and the leading hypotheses of one variant; ``levels``: predictions of left-out levels too."""
     study = Study(inputs, load_thresholds())
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found = with_pairs(study, found, PAIRS)
     document = conclude(study, found)
     named = tuple(document["verdict"]["effects"])
-    return {
+    out = {
         "verdict": document["verdict"],
         "closure": document["closure"],
         "hypotheses": document["hypotheses"][:5],
         "parameters": {e["effect"]: e["parameters"] for e in document["causes"] if e["effect"] in named},
         "absorbed": document["absorbed"],
     }
+    return out | ({"left_out_levels": left_out_levels(study, out)} if levels else {})
 
 
 def left_out_levels(study: Study, found: Mapping[str, Any]) -> dict[str, Any]:

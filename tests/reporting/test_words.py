@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from eaclutch.reporting.glance import set_words
 from eaclutch.reporting.words import (
     measured,
     number,
@@ -72,3 +73,16 @@ def test_units_and_settings_as_one_writes_them() -> None:
 )
 def test_a_value_is_written_to_its_error(mean: float, sd: float, unit: str, text: str) -> None:
     assert with_error(mean, sd, unit) == text
+
+
+@pytest.mark.parametrize(
+    ("joined", "text"),
+    [
+        ("gas_slip+trapped_charge", "gas slip with trapped charge"),
+        ("trapped_charge", "trapped charge"),
+        ("unknown", "an effect outside the library"),
+        ("none", "no gap"),
+    ],
+)
+def test_a_pair_that_runs_would_separate_reads_as_one(joined, text):
+    assert set_words(joined) == text
