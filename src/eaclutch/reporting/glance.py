@@ -169,4 +169,6 @@ def _doubt(diagnosis: Mapping[str, Any]) -> float:
 
 def set_words(joined: str) -> str:
     """``a_b+c`` as ``a b with c``, ``none`` as ``no gap``."""
-    return effect_words([]) if joined == "none" else " with ".join(effect_words([n]) for n in joined.split("+"))
+    return (
+        effect_words([]) if joined == "none" else " with ".join(effect_words([n]) for n in joined.split("+"))
+    )
