@@ -236,6 +236,22 @@ def test_same_numbers_on_any_number_of_cores(model, runs):
     assert np.array_equal(several, one, equal_nan=True) and np.array_equal(several[0], few, equal_nan=True)
 
 
+def test_a_process_with_one_thread_compiles_no_parallel_kernel(model, runs, monkeypatch):
+    import numba
+
+    from eaclutch.physics.kernels import batch
+
+    conditions = runs(voltage=np.full(1500, 250.0))
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 2)
+    monkeypatch.setattr(batch, "simulate_parallel", lambda *_: pytest.fail("handed out"))
+    with pytest.raises(pytest.fail.Exception, match="handed out"):
+        model.predict(conditions, None, ["release_time_90_s"])
+    monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", 1)
+    assert np.isfinite(
+        model.predict(conditions, None, ["release_time_90_s"]).values["release_time_90_s"]
+    ).all()
+
+
 def test_parallel_plates(runs):
     """A plate of the comb's active area, at half the voltage, is the comb with its film sign for sign."""
     substrates = {"brass": Substrate(density=8049.0)}

@@ -7,7 +7,7 @@ import math
 import numpy as np
 from numba import prange
 
-from eaclutch.physics.kernels.compiled import compiled, compiled_parallel, unmanaged
+from eaclutch.physics.kernels.compiled import compiled, compiled_parallel, threads, unmanaged
 from eaclutch.physics.kernels.engagement import engagement_time
 from eaclutch.physics.kernels.ramp import driven_run
 from eaclutch.physics.kernels.readout import read_crossings
@@ -104,8 +104,9 @@ def simulate_parallel(rows, tables, engage, releasing, fraction, tolerance, out,
 
 def simulate_batch(rows, tables, engage, releasing, fraction, tolerance, out, statuses):
     """``rows`` (n,) of Row -> ``out`` (n, results), ``statuses`` (n, 3). Small batches stay on one core: handing
-    them out costs more than they do, the more so where other processes keep the cores busy."""
-    if len(rows) * (1.0 + 5.0 * engage + 20.0 * releasing) < WORTH_SHARING:
+    them out costs more than they do, the more so where other processes keep the cores busy. So does a process that
+    has one thread: it need not compile everything a second time."""
+    if threads() == 1 or len(rows) * (1.0 + 5.0 * engage + 20.0 * releasing) < WORTH_SHARING:
         simulate_share(rows, 0, 1, tables, engage, releasing, fraction, tolerance, out, statuses)
     else:
         simulate_parallel(rows, tables, engage, releasing, fraction, tolerance, out, statuses)

@@ -58,6 +58,12 @@ inlined = _compile(forceinline=True)
 compiled_parallel = _compile(parallel=True)
 
 
+def threads() -> int:
+    """How many threads this process may use (NUMBA_NUM_THREADS; all cores without it)."""
+    settings: Any = numba.config
+    return int(settings.NUMBA_NUM_THREADS)
+
+
 @intrinsic
 def _pointer(typing_context, address):  # type: ignore[no-untyped-def]
     signature = types.CPointer(types.float64)(types.intp)
