@@ -35,6 +35,7 @@ from eaclutch.files import read_json, write_json
 WITHHELD = ("dielectric_relaxation", "load_cell_dynamics", "air_gap", "surface_roughness")
 CLOSING = ("series_compliance", "substrate_inertia")  # the full model's verdict
 PAIRS = 6
+CHANCE = "baseline_shift_n"  # where the tip comes to rest after its swing: carries no name (thresholds.yaml, scatter)
 
 
 def main() -> None:
@@ -96,8 +97,9 @@ def check(inputs: DiagnosisInputs, levels: bool) -> dict[str, Any]:
 
 def left_out_levels(study: Study, found: Mapping[str, Any]) -> dict[str, Any]:
     """Each width, thickness and preload bin predicted from the others: mean square error over the repeats' variance,
-    by the base model, the verdict of the check ``found``, from where its fit stands, and the base model with the
-    nameless smooth term carried over."""
+    by the base model, the verdict of the check ``found``, from where its fit stands, the base model with the nameless
+    smooth term carried over, and the verdict with its own tolerance carried over; over all observables, by observable,
+    and over all that may carry a name."""
     base = verdict = study.base.linearised
     named = tuple(name for name in found["parameters"] if name != "unknown")
     if named:
@@ -107,6 +109,7 @@ def left_out_levels(study: Study, found: Mapping[str, Any]) -> dict[str, Any]:
         verdict = study.fit(named, seeds, afresh=study.base.multipliers).linearised
     data, runs = study.data, study.data.run_entries
     first = [int(np.flatnonzero(data.groups == group)[0]) for group in data.entry_group]
+    channel = np.asarray(data.channel[:runs]).astype(str)
     bins = np.digitize(study.preload[first], (0.25, 0.75, 1.5))
     settings = {
         "width_mm": np.round(1e3 * data.conditions.width[first], 3),
@@ -122,13 +125,21 @@ def left_out_levels(study: Study, found: Mapping[str, Any]) -> dict[str, Any]:
             "base": _errors(study, base, groups, smooth=False),
             "verdict": _errors(study, verdict, groups, smooth=False),
             "nameless": _errors(study, study.nameless.linearised, groups, smooth=True),
+            "verdict_carried": _errors(study, verdict, groups, smooth=True),
         }
         out[factor] = {
-            str(level): {name: float(np.mean(error[:runs][group])) for name, error in rows.items()}
-            | {"entries": len(group)}
+            str(level): _means(rows, group)
+            | {"entries": len(group), "without_chance": _means(rows, group[channel[group] != CHANCE])}
             for level, group in zip(np.unique(values).tolist(), groups, strict=True)
         }
+        out[f"{factor} by observable"] = {
+            str(name): _means(rows, np.flatnonzero(channel == name)) for name in np.unique(channel)
+        }
     return out
+
+
+def _means(rows: Mapping[str, np.ndarray], entries: np.ndarray) -> dict[str, Any]:
+    return {name: float(np.mean(error[entries])) for name, error in rows.items()}
 
 
 def _errors(study: Study, fit: Linearised, groups: Sequence[np.ndarray], smooth: bool) -> np.ndarray:
