@@ -35,7 +35,7 @@ from eaclutch.files import read_json, write_json
 WITHHELD = ("dielectric_relaxation", "load_cell_dynamics", "air_gap", "surface_roughness")
 CLOSING = ("series_compliance", "substrate_inertia")  # the full model's verdict
 PAIRS = 6
-CHANCE = "baseline_shift_n"  # where the tip comes to rest after its swing: carries no name (thresholds.yaml, scatter)
+CHANCE = "baseline_shift_n"  # where the tip comes to rest: hardly counts in a fit (thresholds.yaml, scatter)
 
 
 def main() -> None:
@@ -99,7 +99,7 @@ def left_out_levels(study: Study, found: Mapping[str, Any]) -> dict[str, Any]:
     """Each width, thickness and preload bin predicted from the others: mean square error over the repeats' variance,
     by the base model, the verdict of the check ``found``, from where its fit stands, the base model with the nameless
     smooth term carried over, and the verdict with its own tolerance carried over; over all observables, by observable,
-    and over all that may carry a name."""
+    and over all but the one that is nearly chance."""
     base = verdict = study.base.linearised
     named = tuple(name for name in found["parameters"] if name != "unknown")
     if named:

@@ -215,18 +215,15 @@ def test_the_fixture_may_be_straight_where_the_clutch_is_tilted(bench):
     )
 
 
-def test_same_numbers_on_any_number_of_cores(model, runs):
-    import numba
+def test_same_numbers_on_any_number_of_cores(model, runs, monkeypatch):
+    from eaclutch.physics.kernels import batch
 
     rng = np.random.default_rng(5)
     conditions = runs(voltage=rng.uniform(100, 300, 1500))
+    monkeypatch.setattr(batch, "threads", lambda: 2)  # the parallel kernel, whatever this process may use
     several = model.predict(conditions).values["release_time_90_s"]
-    before = numba.get_num_threads()
-    try:
-        numba.set_num_threads(1)
-        one = model.predict(conditions).values["release_time_90_s"]
-    finally:
-        numba.set_num_threads(before)
+    monkeypatch.setattr(batch, "threads", lambda: 1)
+    one = model.predict(conditions).values["release_time_90_s"]
     few = np.concatenate(
         [
             model.predict(conditions.select(np.arange(i, i + 100))).values["release_time_90_s"][0]

@@ -169,6 +169,4 @@ def _doubt(diagnosis: Mapping[str, Any]) -> float:
 
 def set_words(joined: str) -> str:
     """``a_b+c`` as ``a b with c``, ``none`` as ``no gap``."""
-    return (
-        effect_words([]) if joined == "none" else " with ".join(effect_words([n]) for n in joined.split("+"))
-    )
+    return " with ".join(effect_words([] if name == "none" else [name]) for name in joined.split("+"))
