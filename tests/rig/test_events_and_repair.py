@@ -141,6 +141,29 @@ def test_voltage_that_lost_lines_does_not_move_the_events():
     assert abs(events.on - on) < STEP and abs(events.off - off) < STEP
 
 
+@pytest.mark.parametrize("grounded_first", [False, True])
+@pytest.mark.parametrize("hole", [41_000, 60_000])
+def test_where_the_voltage_lost_lines_the_wave_that_outlives_the_flag_is_reckoned(grounded_first, hole):
+    """With a voltage that has lost lines before the end nothing is seen there; the waves before say when one ends."""
+    recording, on, off = made(frequency=7.0, grounded_first=grounded_first)
+    flag = ((recording.time >= on) & (recording.time < off - 0.05)).astype(float)
+    broken = replace(recording, flag=flag, voltage=without_lines(recording.voltage, (hole, 3_000)))
+    events = find_events(make_whole(broken).recording)
+    assert abs(events.off - off) <= 3.0 * STEP and "voltage_outlives_flag" in events.flags
+
+
+@pytest.mark.parametrize("hole", [26_000, 41_000])
+def test_where_nothing_shows_when_an_unseen_drive_stopped_no_release_time_is_said(hole):
+    """The force holds for 20 ms after the flag and lets go within a half wave, or where no wave can be reckoned."""
+    recording, on, off = made(frequency=7.0)
+    recording = grounded_since(recording, on, 7.0, 0.03)
+    flag = ((recording.time >= on) & (recording.time < off - 0.02)).astype(float)
+    broken = replace(recording, flag=flag, voltage=without_lines(recording.voltage, (hole, 3_000)))
+    row = extract(broken, Bench("test"))
+    assert {"voltage_lines_lost", "voltage_off_unsure"} <= set(row["flags"].split(";"))
+    assert np.isnan(row["release_time_50_s"]) and "release_time_50_s:off_unsure" in row["reasons"]
+
+
 def test_a_column_that_is_zero_at_rest_has_lost_nothing():
     recording, *_ = made()
     resting = np.where(recording.voltage > 50, 300.0, 0.0)

@@ -11,7 +11,7 @@ from scipy.ndimage import uniform_filter1d
 from eaclutch.records import FloatArray, Recording
 from eaclutch.rig.columns_in_step import sample_spacing
 from eaclutch.rig.estimate import Unusable
-from eaclutch.rig.hidden_wave import begins_another, outlives
+from eaclutch.rig.hidden_wave import unseen_wave
 
 DC_LABEL = 0.1  # Hz, the rig's way to write DC
 LOST = "voltage_lines_lost"  # flag of a voltage column whose edges cannot be trusted
@@ -53,7 +53,8 @@ def find_events(recording: Recording, *, in_step: bool = True) -> Events:
     later of the flag's fall and the sensed voltage's. Where the sensed electrode is the grounded one at the end, the
     driver may still finish its half wave: the force then tells the polarity edge from the flag (``outlives``), and
     where it cannot, off lies anywhere between (``voltage_off_unsure``). A flag that falls with a wave's end is
-    off, unless the force says that the drive had begun another one (``begins_another``). A voltage that comes or
+    off, unless the force says that the drive had begun another one (``begins_another``). Where the voltage's column has
+    lost lines the waves are reckoned from those before (``unseen_wave``). A voltage that comes or
     stays by more than half a period later than the flag shows a flag that lost lines: then the voltage counts
     (``flag_early``), to half a period.
     Raises Unusable (``no_flag``, ``flag_never_falls``, ``no_voltage``, ``time_broken``).
@@ -87,23 +88,14 @@ def find_events(recording: Recording, *, in_step: bool = True) -> Events:
         flags.append("flag_early")
     elif time[after] - time[last] > 3 * step:
         flags.append("voltage_outlives_flag")
-    before_fall = sensed[sensed <= last]
-    if after == last and LOST not in recording.flags and len(before_fall) and half_period > 3 * step:
-        # grounded when the flag falls: the half wave ends half a period after the last polarity edge
-        end = time[before_fall[-1]] + 0.5 * step + half_period
-        fall = 0.5 * (time[last] + time[last + 1])
-        goes_on_unseen: bool | None = False
-        if time[last] + 1.5 * step < end < time[last] + half_period + 1.5 * step:
-            if before_fall[-1] <= last - 2:
-                goes_on_unseen = outlives(time, recording.force, fall, end) if in_step else True
-            elif in_step:
-                # the flag falls with a wave: most drives end there, some have just begun another one
-                goes_on_unseen = begins_another(time, recording.force, fall, end)
+    if after == last and half_period > 3 * step:
+        whole = LOST not in recording.flags
+        end, goes_on_unseen = unseen_wave(recording, high, last, half_period, whole=whole, in_step=in_step)
         if goes_on_unseen:
             after = int(np.searchsorted(time, end)) - 1
             flags.append("voltage_outlives_flag")
         elif goes_on_unseen is None:
-            unsure[1] = end - fall
+            unsure[1] = end - 0.5 * float(time[last] + time[last + 1])
             flags.append("voltage_off_unsure")
     on, on_sd, on_index = _between(time, first - 1)
     off, off_sd, off_index = _between(time, min(after, len(time) - 2))

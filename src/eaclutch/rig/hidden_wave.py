@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from eaclutch.records import FloatArray
+from eaclutch.records import FloatArray, Recording
 from eaclutch.rig.columns_in_step import sample_spacing
 from eaclutch.rig.noise import noise_of
 
@@ -17,6 +17,58 @@ RELEASED = 0.0015  # s after which a released force swings round its last level
 UNSEEN = 0.0003  # s for which a force may hold by itself, the film still closed
 SHORT = 0.00075  # s for which a film may well stay closed after its voltage
 LONG = 0.0045  # s for which none holds by itself and then lets go just as a half wave ends
+NEAR = 3.0  # samples from a polarity edge that was not seen but reckoned
+REACH = 2.0  # times as many half waves as were seen, beyond which their ends are not known to a sample
+
+
+def unseen_wave(
+    recording: Recording, high: np.ndarray, last: int, half_period: float, *, whole: bool, in_step: bool
+) -> tuple[float, bool | None]:
+    """Whether the drive went on, unseen, after the flag's ``last`` sample, and until when [s]; None where that is
+    unclear.
+
+    ``high``: whether the sensed electrode carries the voltage, (samples,); ``whole``: no lines of that column are lost;
+    ``in_step``: the force stands where the time says.
+    """
+    time, force = recording.time, recording.force
+    step = sample_spacing(time)
+    fall = float(0.5 * (time[last] + time[last + 1]))
+    if whole:
+        sensed = np.flatnonzero(high[: last + 1])
+        # grounded when the flag falls: the half wave ends half a period after the last polarity edge
+        end = float(time[sensed[-1]]) + 0.5 * step + half_period if len(sensed) else fall
+        if not time[last] + 1.5 * step < end < time[last] + half_period + 1.5 * step:
+            return fall, False
+        with_a_wave = bool(sensed[-1] > last - 2)
+    else:
+        holds = in_step and half_period > LONG and outlives(time, force, fall, fall + LONG)
+        reckoned = _wave_end(time, high, fall, half_period)
+        if reckoned is None:
+            return fall + half_period, None if holds else False
+        end = reckoned + (half_period if reckoned - fall < NEAR * step else 0.0)
+        with_a_wave = half_period - (end - fall) < NEAR * step
+        if holds and end - fall > LONG and outlives(time, force, fall, end) is False:
+            return end, None  # let go long after the flag, and before the half wave's end
+    if with_a_wave:
+        # most drives end there, some have just begun another wave
+        return end, begins_another(time, force, fall, end) if in_step else False
+    return end, outlives(time, force, fall, end) if in_step else True
+
+
+def _wave_end(time: FloatArray, high: np.ndarray, until: float, half_period: float) -> float | None:
+    """End [s] of the half wave that ``until`` [s] lies in, where the sensed voltage has lost lines: its polarity edges
+    are regular as far as it is whole, and the drive goes on like that. None where they do not reach that far."""
+    step = sample_spacing(time)
+    before = np.flatnonzero(high[1:] != high[:-1])
+    edges = 0.5 * (time[before] + time[before + 1])
+    edges = edges[edges < until]
+    odd = np.abs(np.diff(edges) - half_period) > max(2.0 * step, 0.02 * half_period)
+    seen = int(np.flatnonzero(odd)[0]) if odd.any() else len(edges) - 1
+    if seen < 1:
+        return None
+    period = float(edges[seen] - edges[0]) / seen
+    ahead = int(np.ceil((until - edges[seen]) / period))
+    return float(edges[seen]) + ahead * period if ahead <= REACH * seen else None
 
 
 def outlives(time: FloatArray, force: FloatArray, fall: float, end: float) -> bool | None:
