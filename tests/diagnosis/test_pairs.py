@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import CONDITIONS, inputs
-from eaclutch.diagnosis.fit import scout_shifts
+from eaclutch.diagnosis.fit import _scout, scout_shifts
 from eaclutch.diagnosis.pairs import _afresh, _Fit, _leaders, _weigh, weigh_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.spread import Spread
@@ -97,3 +97,13 @@ def test_only_the_second_effect_is_scouted_on_top_of_the_first():
     # a delay moves release times alike, however soft the train is
     times = np.char.startswith(study.data.channel.astype(str), "release_time")
     np.testing.assert_allclose(shift[:, times], alone[:, times], atol=0.5)
+
+
+@pytest.mark.parametrize("name", ["session_drift", "reading_drift"])
+def test_an_effect_that_may_go_both_ways_is_also_fitted_from_where_it_does_nothing(name):
+    """Sessions that are all off, and must come back, end where they do a great deal worse than the base model."""
+    study = Study(inputs(conditions=CONDITIONS[:4], repeats=2), load_thresholds())
+    forward = study.forward((name,))
+    first = _scout(forward, study.base, study.kernels.total())[0]
+    found = forward.predict(forward.priors.from_normal(first))[0]
+    np.testing.assert_allclose(found, study.forward(()).predict(study.base.mode.theta)[0], atol=1e-6)

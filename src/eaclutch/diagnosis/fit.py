@@ -26,7 +26,7 @@ from eaclutch.records import FloatArray
 
 SCOUTS = 64  # parameter sets of an effect tried before the fit
 SCOUT_WIDTH = 1.3  # in prior sds
-NEARLY_OFF = -1.5  # prior sds: a half-normal amplitude at a sixth of its scale
+NEARLY_OFF = -1.5  # prior sds: a half-normal amplitude at a sixth of its scale, for zero lies out of reach
 SPREAD = 0.7  # prior sds, of the draws that a fit from scratch looks at
 BASE_STARTS = 4  # draws that a fit from scratch starts from, besides the defaults
 STARTS = 1  # of which so many are fitted
@@ -226,7 +226,10 @@ def _scout(forward: Forward, base: HypothesisFit, covariance: FloatArray) -> lis
     white = cho_solve(factor, w.T)
     score = -0.5 * np.sum(w.T * white, axis=0) - cost
     # the base fit itself comes first: a hypothesis that holds the base model must not do worse than it
-    starts = [np.where([i in own for i in range(u.shape[1])], NEARLY_OFF, u[0])]
+    neutral = forward.priors.to_normal(neutral_parameters(forward, forward.priors.from_normal(u[0]), own))
+    free = [p.neutral is None for p in forward.parameters]
+    off = np.where(free, NEARLY_OFF, np.maximum(neutral, NEARLY_OFF))
+    starts = [np.where([i in own for i in range(u.shape[1])], off, u[0])]
     for i in np.argsort(-score)[:STARTS]:
         followed = dict(zip(base.mode.names, base.linearised.jacobian.T @ white[:, i], strict=True))
         start = np.array([followed.get(name, u[i, k]) for k, name in enumerate(forward.priors.names)])
