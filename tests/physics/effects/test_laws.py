@@ -111,6 +111,11 @@ CASES = {
         {"gain": 6.0, "preload_exponent": 0.5},
         {"damping_factor": [3.7947332, 3.7947332, 6.0, 3.7947332]},
     ),
+    # the first session, and the second
+    "humid_session": (
+        {"gain_1": 0.5, "gain_2": 7.0, "gain_3": 9.0},
+        {"damping_factor": [0.5, 0.5, 7.0, 7.0]},
+    ),
     # 4 mm: twice the width to the power 1/2
     "viscous_drag": (
         {"drag": 2.0, "width_exponent": 0.5},

@@ -11,7 +11,7 @@ from eaclutch.records import FloatArray
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """The squeeze-film coefficient counts with weight ``strength`` (0: the gap follows its equilibrium)."""
-    return sockets.with_(damping_factor=values["strength"])
+    return sockets.with_(damping_factor=sockets.damping_factor + values["strength"])
 
 
 EFFECT = Effect(
