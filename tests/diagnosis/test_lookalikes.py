@@ -70,6 +70,16 @@ def test_a_slow_readout_is_unknown_and_the_sentence_says_what_it_is_like(slow_re
     assert not {cause["effect"] for cause in document["causes"]} & set(LOOKALIKES)
 
 
+def test_a_day_with_slow_releases_is_unknown_and_not_what_delays_them():
+    given = inputs(("humid_session",), {"humid_session.gain_2": 12.0})
+    candidates = ("trapped_charge", "trigger_latency")
+    study = Study(replace(given, candidates=candidates), THRESHOLDS, seed=3)
+    results = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
+    document = conclude(study, with_pairs(study, results, 0))
+    assert document["verdict"]["effects"] == ["unknown"]
+    assert "a humid day" in document["verdict"]["why"]
+
+
 def test_none_is_weighed_where_there_is_nothing_to_name():
     study = Study(inputs(), THRESHOLDS, seed=3)
     results = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
