@@ -54,7 +54,7 @@ EFFECT = Effect(
             "ohm",
             (0.0, 5e7),
             0.0,
-            Prior("halfnormal", 3e6),
+            Prior("halfnormal", 1e6),
             neutral=0.0,
             description="series resistance between the drive and the pad, at 300 V",
         ),
@@ -82,7 +82,7 @@ EFFECT = Effect(
     validity="reversals that the film is too slow to follow: it feels mean squares; capacitance of the closed pad",
     apply=apply,
     draw=lambda rng: {
-        "resistance": float(np.exp(rng.uniform(np.log(1e6), np.log(1.5e7)))),
+        "resistance": float(np.exp(rng.uniform(np.log(2e5), np.log(5e6)))),
         "voltage_exponent": float(rng.uniform(0.0, 1.0)),
         "reversal_ratio": float(np.exp(rng.uniform(np.log(1e-3), 0.0))),
     },
