@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -16,6 +16,7 @@ Stage = Literal[
     "readout", "capacitance_bench",
 ]  # fmt: skip
 REFERENCE_WIDTH = 2e-3  # m, the narrowest strip of the published bench
+SESSIONS = 8  # told apart by an effect that has a value for each; later ones share the last one's
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,14 @@ class Inputs:
     def relative_width(self) -> FloatArray:
         """Width over that of the narrowest strip of the published bench."""
         return self.conditions.width / REFERENCE_WIDTH
+
+    def of_session(self, values: Sequence[FloatArray | float]) -> FloatArray:
+        """The value of each run's session, of ``values`` in order of time; later sessions share the last one's."""
+        session = np.minimum(self.session_index, len(values) - 1)
+        found: FloatArray = np.zeros(session.shape)
+        for number, value in enumerate(values):
+            found = found + np.where(session == number, 1.0, 0.0) * value
+        return found
 
     @property
     def film_field(self) -> FloatArray:

@@ -54,9 +54,9 @@ def find_events(recording: Recording, *, in_step: bool = True) -> Events:
     driver may still finish its half wave: the force then tells the polarity edge from the flag (``outlives``), and
     where it cannot, off lies anywhere between (``voltage_off_unsure``). A flag that falls with a wave's end is
     off, unless the force says that the drive had begun another one (``begins_another``). Where the voltage's column has
-    lost lines the waves are reckoned from those before (``unseen_wave``). A voltage that comes or
-    stays by more than half a period later than the flag shows a flag that lost lines: then the voltage counts
-    (``flag_early``), to half a period.
+    lost lines the waves are reckoned from those before (``unseen_wave``). A voltage that comes or stays by more than
+    half a period later than the flag shows a flag that lost lines: then the voltage counts (``flag_early``), to half a
+    period.
     Raises Unusable (``no_flag``, ``flag_never_falls``, ``no_voltage``, ``time_broken``).
     """
     time = recording.time

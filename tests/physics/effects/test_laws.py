@@ -161,6 +161,16 @@ def test_law(name: str, fill):
         np.testing.assert_allclose(found, np.broadcast_to(numbers, (4,)), rtol=2e-6, err_msg=socket)
 
 
+@pytest.mark.parametrize("name", ["squeeze_film", "wet_film", "humid_session"])
+def test_what_resists_parting_adds_to_what_is_there(name, fill):
+    """Or one of them would switch another off, by the order of their names."""
+    values, expected = CASES[name]
+    filled = fill(name, sockets=Sockets(damping_factor=2.0), **values)
+    np.testing.assert_allclose(
+        np.broadcast_to(filled.damping_factor, (4,)), 2.0 + np.asarray(expected["damping_factor"])
+    )
+
+
 def test_slow_drive_adds_to_the_drive_that_is_there(fill):
     filled = fill(
         "slow_drive", sockets=Sockets(rise_time_constant=4e-6, fall_time_constant=2e-6), resistance=1e5

@@ -7,19 +7,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
+from eaclutch.physics.effect import SESSIONS, Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
-
-SESSIONS = 8  # with a damping of its own each; later sessions share the last one's
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """damping_factor + gain of each run's session."""
-    session = np.minimum(inputs.session_index, SESSIONS - 1)
-    more: FloatArray = np.zeros(session.shape)
-    for number in range(SESSIONS):
-        more = more + np.where(session == number, 1.0, 0.0) * values[f"gain_{number + 1}"]
+    more = inputs.of_session([values[f"gain_{number + 1}"] for number in range(SESSIONS)])
     return sockets.with_(damping_factor=sockets.damping_factor + more)
 
 

@@ -10,19 +10,14 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
+from eaclutch.physics.effect import SESSIONS, Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
-
-SESSIONS = 8  # with an offset of its own each; later sessions share the last one's
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """force_factor and friction_factor of each run's session."""
-    session = np.minimum(inputs.session_index, SESSIONS - 1)
-    offset: FloatArray = np.zeros(session.shape)
-    for number in range(1, SESSIONS):
-        offset = offset + np.where(session == number, 1.0, 0.0) * values[f"offset_{number}"]
+    offset = inputs.of_session([0.0, *(values[f"offset_{number}"] for number in range(1, SESSIONS))])
     share = np.asarray(values["friction_share"])
     return sockets.with_(
         force_factor=sockets.force_factor * np.exp((1.0 - share) * offset),
