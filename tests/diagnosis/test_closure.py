@@ -7,7 +7,7 @@ import pytest
 from scipy import sparse
 
 from eaclutch.diagnosis.cells import Cells
-from eaclutch.diagnosis.closure import gap_numbers
+from eaclutch.diagnosis.closure import gap_numbers, surely_wider
 
 CONDITIONS, REPEATS = 20, 3
 N = CONDITIONS * REPEATS
@@ -45,3 +45,17 @@ def test_intervals_cover_the_share_that_was_closed(left, truth):
 def test_a_gap_that_noise_may_have_made_leaves_everything_open():
     found = numbers(0.2, 0.2, 5)
     assert found["interval"][0] <= 0.0 and found["interval"][1] >= 1.0
+
+
+def test_only_what_widens_the_gap_at_nearly_all_conditions_is_surely_wider():
+    def result(name, sizes):
+        return SimpleNamespace(effects=(name,), errors_left_out=np.repeat(sizes, REPEATS))
+
+    base = result("base", np.full(CONDITIONS, 2.0))
+    one_bad = np.full(CONDITIONS, 1.5)
+    one_bad[0] = 30.0  # wider on average, by a single condition
+    tried = [
+        result("narrower", np.full(CONDITIONS, 1.0)), result("one_bad", one_bad),
+        result("wider", np.full(CONDITIONS, 2.5)), base,
+    ]  # fmt: skip
+    assert surely_wider(CELLS, base, tried, np.random.default_rng(2)) == {("wider",)}

@@ -121,6 +121,18 @@ def test_the_best_name_is_no_sure_name_where_its_fit_fails_the_absolute_check():
     assert sum(misfits.values()) == pytest.approx(1.0)
 
 
+def test_a_name_that_surely_widens_the_gap_left_out_is_no_sure_name():
+    thresholds = load_thresholds()
+    base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
+    found = probabilities([base, named], thresholds, {("gap_tilt",)})
+    assert found[("unknown",)] == pytest.approx(thresholds["widening_share"])
+    assert sum(found.values()) == pytest.approx(1.0)
+    named.adequate_p = 0.005
+    also_misfits = probabilities([base, named], thresholds, {("gap_tilt",)})
+    left = (1 - thresholds["widening_share"]) * (1 - thresholds["misfit_share"])
+    assert also_misfits[("gap_tilt",)] == pytest.approx(left)
+
+
 def test_odds_against_what_nobody_wrote_down_count_in_part_and_order_nothing_anew():
     thresholds = load_thresholds()
     base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)

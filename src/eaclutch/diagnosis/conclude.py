@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, total_gap
+from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_wider, total_gap
 from eaclutch.diagnosis.gate import simulate_null
 from eaclutch.diagnosis.gaussian import leave_out
 from eaclutch.diagnosis.localise import localise
@@ -31,7 +31,8 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
     strict = study.kernels.total(tolerance=0.0, session=study.session_spread, scatter=False)
     strict += np.diag(study.repeat_variance - study.kernels.noise_variance)
     null = simulate_null(linearised, strict, study.generator(11), CAMPAIGNS)
-    weights = probabilities(results, study.thresholds)
+    wider = surely_wider(study.cells, base, results, study.generator(16))
+    weights = probabilities(results, study.thresholds, wider)
     notes = caveats(study)
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)

@@ -7,7 +7,7 @@ correction, and the development set says how much.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,9 @@ LIBRARY = len(CANDIDATES)  # candidates that the library names
 
 
 def probabilities(
-    results: Sequence[CandidateResult], thresholds: Mapping[str, Any]
+    results: Sequence[CandidateResult],
+    thresholds: Mapping[str, Any],
+    wider: Collection[tuple[str, ...]] = (),
 ) -> dict[tuple[str, ...], float]:
     """Probability of each weighed set of effects; adds up to one.
 
@@ -36,6 +38,7 @@ def probabilities(
     effect than like them. Lookalikes, each less probable beforehand than an effect of the library
     (``lookalike_share``), are written down, and count in full; what they win is ``unknown``'s. And a name whose fit
     fails the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence only says who is best.
+    So does one that surely widens the gap on conditions left out (``wider``; ``widening_share``).
     """
     score, nameless, lookalikes = _scores(results, thresholds)
     best = max((x for effects, x in score.items() if effects), default=-np.inf)
@@ -46,14 +49,13 @@ def probabilities(
         zip(score, np.exp(list(score.values()) - logsumexp(list(score.values()))).tolist(), strict=True)
     )
     for result in results:
-        if (
-            result.effects in found
-            and result.effects
-            and result.adequate_p < thresholds["verdict"]["adequate_p_value"]
-        ):
-            doubt = float(thresholds["misfit_share"]) * found[result.effects]
-            found[result.effects] -= doubt
-            found[UNKNOWN] += doubt
+        if not result.effects or result.effects not in found:
+            continue
+        misfits = result.adequate_p < thresholds["verdict"]["adequate_p_value"]
+        kept = 1.0 - (float(thresholds["misfit_share"]) if misfits else 0.0)
+        kept *= 1.0 - (float(thresholds["widening_share"]) if result.effects in wider else 0.0)
+        found[UNKNOWN] += (1.0 - kept) * found[result.effects]
+        found[result.effects] *= kept
     return found
 
 
