@@ -12,11 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from eaclutch.diagnosis.capacitance_levels import levels
 from eaclutch.records import BurstFeatures, CapacitanceReadings, FloatArray, Spectrum
 
-FORCE_LEVELS = np.geomspace(0.1, 8.0, 12)  # N; readings are thinned to these levels
 SPECTRUM_POINTS = 10  # per source
-LARGEST_FORCE = 4.0  # N; beyond it the fixture squeezes more than the clutch ever does
 
 
 @dataclass(frozen=True)
@@ -24,7 +23,8 @@ class BenchEntries:
     """Bench entries, (entries,) each: logarithms of capacitance, permittivity, burst frequency and damping.
 
     setting: force [N], frequency [Hz], or 0/1 for burst frequency/damping; width [m] (capacitance only).
-    offset: label of what the entry shares a random offset with. features (entries, 2).
+    offset: label of what the entry shares a random offset with; offset_sd: of what all trials of a width have in common
+    with themselves, beyond the spread between sessions (capacitance only). features (entries, 2).
     """
 
     values: FloatArray
@@ -33,6 +33,7 @@ class BenchEntries:
     offset: np.ndarray
     setting: FloatArray
     width: FloatArray
+    offset_sd: FloatArray
     features: FloatArray
     notes: tuple[str, ...] = ()
 
@@ -75,32 +76,19 @@ def summarise(
         np.array([r[3] for r in rows], dtype=object),
         np.array([r[4] for r in rows], dtype=float),
         np.array([r[5] for r in rows], dtype=float),
+        np.array([r[8] if len(r) > 8 else 0.0 for r in rows], dtype=float),
         np.array([r[6:8] for r in rows], dtype=float).reshape(len(rows), 2),
         tuple(notes),
     )
 
 
 def _capacitance(readings: CapacitanceReadings, scale: Mapping[str, float]) -> list[tuple]:
-    """One entry a width and force level: the mean over trials of log C, and its trial-to-trial uncertainty."""
-    trials = np.array([f"{s}|{t}" for s, t in zip(readings.source, readings.trial, strict=True)])
-    curves: dict[float, list[FloatArray]] = {}
-    for width in np.unique(readings.width):
-        for trial in np.unique(trials[readings.width == width]):
-            curve = _curve(readings, (readings.width == width) & (trials == trial))
-            if np.isfinite(curve).any():
-                curves.setdefault(float(width), []).append(curve)
-    pooled = _trial_scatter([np.array(found) for found in curves.values()])
-    rows = []
-    for width, found in curves.items():
-        stack = np.array(found)
-        count = np.isfinite(stack).sum(axis=0)
-        for level in np.flatnonzero(count):
-            mean = float(np.nanmean(stack[:, level]))
-            sd = np.hypot(max(pooled, 1e-3) / np.sqrt(count[level]), 1e-3)
-            force = float(FORCE_LEVELS[level])
-            rows.append((mean, sd, "capacitance", f"w{width:.6g}", force, width,
-                         np.log(force) / scale["log_force"], np.log(width) / scale["log_width"]))  # fmt: skip
-    return rows
+    """One entry a width and force level: the mean over trials of log C."""
+    return [
+        (level.log_capacitance, level.sd, "capacitance", f"w{level.width:.6g}", level.force, level.width,
+         np.log(level.force) / scale["log_force"], np.log(level.width) / scale["log_width"], level.offset_sd)
+        for level in levels(readings)
+    ]  # fmt: skip
 
 
 def _known_widths(readings: CapacitanceReadings, widths: Sequence[float]) -> tuple[CapacitanceReadings, str]:
@@ -115,41 +103,6 @@ def _known_widths(readings: CapacitanceReadings, widths: Sequence[float]) -> tup
         tuple(readings.trial[i] for i in rows), tuple(readings.source[i] for i in rows),
     )  # fmt: skip
     return kept, strange
-
-
-def _trial_scatter(stacks: list[FloatArray]) -> float:
-    """Trial-to-trial sd of log C, pooled over widths and levels; 0.02 where no width has two trials."""
-    squares, dof = 0.0, 0
-    for stack in stacks:
-        use = stack[:, np.isfinite(stack).sum(axis=0) > 1]
-        if use.size:
-            squares += float(np.nansum((use - np.nanmean(use, axis=0)) ** 2))
-            dof += int(np.isfinite(use).sum()) - use.shape[1]
-    return float(np.sqrt(squares / dof)) if dof else 0.02
-
-
-def _curve(readings: CapacitanceReadings, rows: np.ndarray) -> FloatArray:
-    """log C of one trial at the force levels it reaches, (levels,), not-a-number elsewhere."""
-    force, capacitance = readings.force[rows], readings.capacitance[rows]
-    use = np.isfinite(force) & np.isfinite(capacitance) & (capacitance > 0) & (force > 0)
-    force, log_c = force[use], np.log(capacitance[use])
-    curve = np.full(len(FORCE_LEVELS), np.nan)
-    for i, level in enumerate(FORCE_LEVELS):
-        near = np.abs(np.log(force / level)) < 0.19
-        if level <= LARGEST_FORCE and np.count_nonzero(near) >= 1:
-            slope_free = (
-                log_c[near] if np.count_nonzero(near) < 4 else _at_level(force[near], log_c[near], level)
-            )
-            curve[i] = float(np.mean(slope_free))
-    return curve
-
-
-def _at_level(force: FloatArray, log_c: FloatArray, level: float) -> FloatArray:
-    """A local straight line in log force, read off at the level."""
-    x = np.log(force / level)
-    if np.ptp(x) < 1e-6:
-        return log_c
-    return np.atleast_1d(np.polynomial.polynomial.polyfit(x, log_c, 1)[0])
 
 
 def _shape_scatter(spectra: Sequence[Spectrum]) -> float:

@@ -22,6 +22,7 @@ class Kernels:
     """Correlation matrices (entries, entries) of a data vector, worked out once a campaign."""
 
     noise_variance: FloatArray  # (entries,) of the repeats' mean
+    shared_noise: FloatArray  # what repeats have in common: offsets of a bench's trials
     scatter_variance: (
         FloatArray  # (entries,) what the model misses of one (condition, session) apart from others
     )
@@ -43,7 +44,7 @@ class Kernels:
         what only the model misses."""
         t = np.broadcast_to(np.asarray(tolerance, float), self.noise_variance.shape)
         s = np.broadcast_to(np.asarray(session, float), self.noise_variance.shape)
-        out = self.session * np.outer(s, s) + self.tolerance * np.outer(t, t)
+        out = self.shared_noise + self.session * np.outer(s, s) + self.tolerance * np.outer(t, t)
         if signature is not None and signature_tolerance > 0:
             scaled = signature_tolerance * signature
             out = out + self.smooth * np.outer(scaled, scaled)
@@ -71,6 +72,7 @@ def kernels(data: DataVector, thresholds: Mapping[str, Any]) -> Kernels:
         tolerance = tolerance + np.outer(together, together)
     return Kernels(
         data.noise_sd**2,
+        np.outer(data.offset_sd, data.offset_sd) * same_offset,
         scatter**2,
         np.outer(session_sd, session_sd) * between * same_offset,
         tolerance,

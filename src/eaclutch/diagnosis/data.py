@@ -36,8 +36,9 @@ class DataVector:
 
     values, noise_sd: on the comparison scale. block, channel, condition, session: names (condition and
     session empty for bench entries). offset: label of the random offset an entry shares with others of its
-    block (session, width, source). features (entries, features): scaled settings for smooth terms; entries of
-    different ``family`` (run, capacitance, ...) never share a smooth term.
+    block (session, width, source); offset_sd: of what it shares beyond sessions' spread. features (entries,
+    features): scaled settings for smooth terms; entries of different ``family`` (run, capacitance, ...) never share a
+    smooth term.
     average: sparse (run entries, channels x runs) matrix that turns run-level predictions into entries.
     """
 
@@ -51,6 +52,7 @@ class DataVector:
     condition: np.ndarray
     session: np.ndarray
     offset: np.ndarray
+    offset_sd: FloatArray
     family: np.ndarray
     features: FloatArray
     average: sparse.csr_matrix
@@ -171,6 +173,7 @@ def _assemble(
         join([conditions.condition[i] for i in first], empty),
         join([conditions.session[i] for i in first], empty),
         join([conditions.session[i] for i in first], bench.offset),
+        np.concatenate([np.zeros(n), bench.offset_sd]),
         join(["run"] * n, bench.block),
         np.concatenate([_widen(features, wide), _widen(bench.features, wide)]),
         average.tocsr(),
