@@ -85,9 +85,16 @@ class Forward:
 
     def runs(self, named: Mapping[str, FloatArray]) -> FloatArray:
         """Run-level predictions on the comparison scale, (draws, channels, runs), finite throughout."""
-        scaled = self.readings.predict(self.model, self.data.conditions, named, self.data.channels)
+        scaled = self._scaled(named)
         off = np.nan_to_num(self.data.run_values) + UNPREDICTED
         return np.where(np.isfinite(scaled), scaled, off)
+
+    def unpredicted(self, named: Mapping[str, FloatArray]) -> np.ndarray:
+        """Where (draws, channels, runs) the model has no number to say."""
+        return ~np.isfinite(self._scaled(named))
+
+    def _scaled(self, named: Mapping[str, FloatArray]) -> FloatArray:
+        return self.readings.predict(self.model, self.data.conditions, named, self.data.channels)
 
     def bench(self, named: Mapping[str, FloatArray], draws: int) -> FloatArray:
         """Bench entries (draws, bench entries) on the comparison scale."""

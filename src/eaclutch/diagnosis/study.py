@@ -40,6 +40,7 @@ from eaclutch.rig.table import conditions_from_runs
 
 # Local error of the film's position: 1 us in a release time, half the cost of the default.
 SOLVER_TOLERANCE = 1e-3
+VERGE = 0.1  # of the force at switch-off: static friction scatters by several percent from run to run
 LARGEST_CARRIED = 0.5  # sd on the comparison scale; a run that starts on an edge is not worth less than that
 WORTH_OPENING = 3.0  # nats over the base model
 SAME_PLACE = 1.0  # nats between two fits of one hypothesis that ended in the same place
@@ -137,7 +138,8 @@ class Study:
 
     def _explained(self, first: DataVector) -> tuple[FloatArray, FloatArray]:
         """Run-level predictions of the base model after a first fit, (channels, runs), and the standard uncertainty
-        that they have from the measured forces they start from."""
+        that they have from the measured forces they start from. A run that was measured to slip where the model sticks,
+        and would not with a little more force, says that it was on the verge, and nothing of its release."""
         forward = Forward(self.model(), first, (), self.priors)
         if self.known is None:
             fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
@@ -146,7 +148,10 @@ class Study:
             _in_order(self.first_fit, forward)
         named = {name: np.array([value]) for name, value in self.first_fit.items()}
         plain = forward.runs(named)[0]
-        carried = np.zeros_like(plain)
+        more = replace(first.conditions, switch_off_force=(1.0 + VERGE) * first.conditions.switch_off_force)
+        beyond = Forward(self.model(), replace(first, conditions=more), (), self.priors)
+        verge = forward.unpredicted(named)[0] & ~beyond.unpredicted(named)[0]
+        carried = np.where(verge, LARGEST_CARRIED, 0.0)
         for name in ("friction_before", "switch_off_force"):
             column = f"{name}_n_sd"
             if column not in self.table:

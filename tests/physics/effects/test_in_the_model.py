@@ -118,3 +118,19 @@ def test_a_part_of_a_campaign_keeps_its_sessions(runs: RunConditions):
     time = np.arange(0.0, 1.0, 1e-3)
     force = model.history(runs, 6, drift, time)
     assert force.max() - runs.friction_before[6] == pytest.approx(whole[0, 6], rel=0.01)
+
+
+def test_what_gives_behind_the_sliding_face_slows_the_ramp_and_no_swing(runs: RunConditions):
+    def predicted(**values):
+        named = {f"series_compliance.{name}": value for name, value in values.items()}
+        return ClutchModel(BENCH, (*BASE, "series_compliance")).predict(runs, named).values
+
+    none, mount, film = (
+        predicted(compliance=c, film_share=s) for c, s in ((0.0, 0.0), (2e-5, 0.0), (2e-5, 1.0))
+    )
+    holds = none["ramp_rate_n_s"] > 3.0  # the others slip within the ramp's window
+    assert np.count_nonzero(holds) == 5
+    np.testing.assert_allclose(film["ramp_rate_n_s"][holds], mount["ramp_rate_n_s"][holds], rtol=1e-9)
+    assert np.max(film["ramp_rate_n_s"][holds] / none["ramp_rate_n_s"][holds]) < 0.8
+    np.testing.assert_array_equal(film["release_time_90_s"], none["release_time_90_s"])
+    assert np.nanmin(mount["release_time_90_s"] / none["release_time_90_s"]) > 1.05

@@ -45,8 +45,11 @@ CASES = {
     ),
     # 4 mm wide: half as much to the power 1/2
     "series_compliance": (
-        {"compliance": 1e-5, "width_exponent": 0.5},
-        {"series_compliance": [1e-5, 1e-5, 7.0710678e-6, 1e-5]},
+        {"compliance": 1e-5, "width_exponent": 0.5, "film_share": 0.2},
+        {
+            "series_compliance": [8e-6, 8e-6, 5.65685425e-6, 8e-6],
+            "film_compliance": [2e-6, 2e-6, 1.41421356e-6, 2e-6],
+        },
     ),
     "substrate_inertia": ({"participation": 0.7}, {"added_mass": [2.8e-3, 2.8e-3, 5.6e-3, 2.8e-3]}),
     "stray_capacitance": ({"capacitance": 5e-12}, {"stray_capacitance": 5e-12}),

@@ -11,8 +11,14 @@ from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, frictions
 
 @compiled
 def train_stiffness(p):
-    """Stiffness [N/m] of load cell and series compliance while the tip pushes."""
+    """Stiffness [N/m] of load cell and series compliance while the tip moves and pushes."""
     return p.stiffness / (1.0 + p.stiffness * p.series_compliance)
+
+
+@compiled
+def stuck_stiffness(p):
+    """Stiffness [N/m] that the stage climbs against while the strip sticks to the film: the film shears as well."""
+    return p.stiffness / (1.0 + p.stiffness * (p.series_compliance + p.film_compliance))
 
 
 @compiled
@@ -73,7 +79,7 @@ def driven_run(p, gap, gap_before, tables):
     """
     static, kinetic = driven_friction(p, gap, gap_before, tables)
     bottom = slip_bottom(p, static, kinetic)
-    rate = train_stiffness(p) * p.stage_speed
+    rate = stuck_stiffness(p) * p.stage_speed
     start = p.friction_before
     reach = start + rate * max(p.drive_duration - p.dwell, 0.0)
     status = OK

@@ -27,6 +27,7 @@ ROW = np.dtype(
             "static_factor_ramp", "weakening_depth", "weakening_speed",
             # load train
             "stiffness", "mass", "load_cell_damping", "load_cell_dynamic", "added_mass", "series_compliance",
+            "film_compliance",
             # readout
             "readout_time", "reading_drift",
             # run
