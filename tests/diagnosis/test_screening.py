@@ -9,9 +9,16 @@ import pytest
 
 from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.repeatability import pooled_variance, session_share
-from eaclutch.diagnosis.screening import reaches, scaled_column
+from eaclutch.diagnosis.screening import reaches, scaled_column, slips_at_switch_off
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.weigh import NONE, probabilities
+
+
+def test_a_run_that_slips_as_the_voltage_falls_did_not_start_from_rest():
+    ten, half = [1.2e-4, 0.0, 1.2e-4, np.nan], [3e-4, 3e-4, 1e-4, 3e-4]
+    table = pd.DataFrame({"release_time_10_s": ten, "release_time_50_s": half})
+    assert slips_at_switch_off(table, 3.9e-4).tolist() == [False, True, True, False]
+    assert not slips_at_switch_off(pd.DataFrame({"run": ["a"]}), 3.9e-4).any()
 
 
 def test_a_ramp_counts_only_where_no_slip_can_come_so_early():

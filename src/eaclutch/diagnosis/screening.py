@@ -8,7 +8,8 @@ import pandas as pd
 from eaclutch.diagnosis.channels import Channel
 from eaclutch.records import FloatArray
 
-SLIPPING_SHARE = 0.4  # of the load cell's quarter period
+# Of the load cell's quarter period; a tip that rests and loses all friction at once needs 0.29 and 0.67 of it.
+SLIPPING_SHARES = {"release_time_10_s": 0.17, "release_time_50_s": 0.4}
 STRAY_SDS = 6.0
 EARLY_SLIP = 0.15  # share of its largest force by which a run may slip too early
 
@@ -40,12 +41,14 @@ def zero_unknown(table: pd.DataFrame) -> np.ndarray:
 
 
 def slips_at_switch_off(table: pd.DataFrame, quarter_swing: float) -> np.ndarray:
-    """Runs (runs,) that were already slipping when the voltage fell: half of the force gone in a small part of
-    the time that the load cell needs from rest. The model starts from rest, so their release does not count."""
-    if "release_time_50_s" not in table:
-        return np.zeros(len(table), dtype=bool)
-    half = pd.to_numeric(table["release_time_50_s"], errors="coerce").to_numpy(dtype=float)
-    return half < SLIPPING_SHARE * quarter_swing
+    """Runs (runs,) that were already slipping when the voltage fell: a tenth or half of the force gone in a small part
+    of the time that the load cell needs from rest. The model starts from rest, so their release does not count."""
+    slips = np.zeros(len(table), dtype=bool)
+    for name, share in SLIPPING_SHARES.items():
+        if name in table:
+            time = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=float)
+            slips |= time < share * quarter_swing
+    return slips
 
 
 def stray(residual: FloatArray, sd: FloatArray, groups: np.ndarray) -> np.ndarray:
