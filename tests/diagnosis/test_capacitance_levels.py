@@ -56,3 +56,18 @@ def test_a_trial_that_begins_later_does_not_bend_the_curve():
 def test_one_trial_has_the_usual_uncertainty():
     (first, *_) = levels(trials([0.0], 0.01, np.random.default_rng(2)))
     assert first.offset_sd == pytest.approx(USUAL_SD) and first.sd == pytest.approx(USUAL_SD, rel=0.01)
+
+
+def test_readings_between_levels_are_carried_to_them():
+    """Few readings, all above their levels: taken as they are the curve would be off by its slope, 2 %."""
+    rng = np.random.default_rng(3)
+    force = FORCE_LEVELS[:8] * 1.18
+    values = np.exp(curve(force) + 1e-5 * rng.standard_normal(8))
+    readings = CapacitanceReadings(force, values, np.full(8, 2e-3), ("1",) * 8, ("log",) * 8)
+    found = levels(readings)
+    assert [level.log_capacitance - float(curve(level.force)) for level in found] == pytest.approx(
+        [0.0] * 8, abs=3e-5
+    )
+    assert levels(readings)[0].force == FORCE_LEVELS[0]
+    lonely = CapacitanceReadings(force[:1], values[:1], np.full(1, 2e-3), ("1",), ("log",))
+    assert len(levels(lonely)) == 1

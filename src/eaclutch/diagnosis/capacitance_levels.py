@@ -9,11 +9,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.polynomial import polynomial
 
 from eaclutch.records import CapacitanceReadings, FloatArray
 
 FORCE_LEVELS = np.geomspace(0.1, 8.0, 12)  # N
 LARGEST_FORCE = 4.0  # N; beyond it the fixture squeezes more than the clutch ever does
+NEAR = 0.19  # in log force: half the way to the next level
 USUAL_SD = 0.02 * 0.5**0.5  # of log C, of an offset and of a level each, where no width has two trials
 METER_SD = 1e-3  # of log C, at least
 
@@ -99,24 +101,21 @@ def _scatter(widths: list[_Width]) -> tuple[float, float]:
 
 
 def _curve(readings: CapacitanceReadings, rows: np.ndarray) -> FloatArray:
-    """log C of one trial at the force levels it reaches, (levels,), not-a-number elsewhere."""
+    """log C of one trial at the force levels it reaches, (levels,), not-a-number elsewhere: the mean of the readings
+    near a level, each carried there along the slope of the trial's own curve."""
     force, capacitance = readings.force[rows], readings.capacitance[rows]
     use = np.isfinite(force) & np.isfinite(capacitance) & (capacitance > 0) & (force > 0)
-    force, log_c = force[use], np.log(capacitance[use])
+    log_force, log_c = np.log(force[use]), np.log(capacitance[use])
     curve = np.full(len(FORCE_LEVELS), np.nan)
-    for i, level in enumerate(FORCE_LEVELS):
-        near = np.abs(np.log(force / level)) < 0.19
-        if level <= LARGEST_FORCE and np.count_nonzero(near) >= 1:
-            slope_free = (
-                log_c[near] if np.count_nonzero(near) < 4 else _at_level(force[near], log_c[near], level)
-            )
-            curve[i] = float(np.mean(slope_free))
+    if not len(log_force):
+        return curve
+    middle, width = float(log_force.mean()), max(float(np.std(log_force)), 1e-6)
+    order = min(2, len(np.unique(log_force)) - 1)
+    slope = polynomial.polyder(polynomial.polyfit((log_force - middle) / width, log_c, order))
+    for i, level in enumerate(np.log(FORCE_LEVELS)):
+        near = np.abs(log_force - level) < NEAR
+        if np.exp(level) <= LARGEST_FORCE and near.any():
+            half_way = (0.5 * (level + log_force[near]) - middle) / width
+            there = log_c[near] + polynomial.polyval(half_way, slope) * (level - log_force[near]) / width
+            curve[i] = float(np.mean(there))
     return curve
-
-
-def _at_level(force: FloatArray, log_c: FloatArray, level: float) -> FloatArray:
-    """A local straight line in log force, read off at the level."""
-    x = np.log(force / level)
-    if np.ptp(x) < 1e-6:
-        return log_c
-    return np.atleast_1d(np.polynomial.polynomial.polyfit(x, log_c, 1)[0])
