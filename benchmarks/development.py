@@ -57,6 +57,7 @@ class Weighed:
     log_evidence_without_open: float
     gap_left_out: float
     adequate_p: float
+    multipliers: tuple[float, float]
 
 
 def weigh_case(job: tuple[plan.Entry, str]) -> None:
@@ -80,6 +81,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
             r.log_evidence_without_open,
             r.gap_left_out,
             r.adequate_p,
+            r.multipliers,
         ]
         for r in found
     ]

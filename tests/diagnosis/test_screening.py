@@ -69,6 +69,7 @@ def weighed(effects, evidence, without=0.0):
         log_evidence_without_open=without - 3.0,
         gap_left_out=1.0 if effects else 2.0,
         adequate_p=0.5,
+        multipliers=(1.0, 1.0),
     )
 
 
@@ -115,6 +116,21 @@ def test_a_second_effect_that_widens_the_gap_left_out_explains_no_part_of_it():
     wider = probabilities([base, named, pair], thresholds)
     assert max(narrower, key=narrower.__getitem__) == max(as_good, key=as_good.__getitem__) == pair.effects
     assert max(wider, key=wider.__getitem__) == named.effects
+
+
+def test_around_a_gap_that_none_closes_it_counts_how_far_one_narrows_it():
+    thresholds = load_thresholds()
+    base = weighed(NONE, -900.0, without=-900.0)
+    single, pair = weighed(("gap_tilt",), 0.0, -900.0), weighed(("gap_tilt", "slow_drive"), 2.0, -900.0)
+    single.gap_left_out, pair.gap_left_out = 1.8, 1.0
+    usual = probabilities([base, single, pair], thresholds)
+    assert max(usual, key=usual.__getitem__) == single.effects
+    for result in (single, pair):
+        result.multipliers = (16.0, 1.0)
+    wide = probabilities([base, single, pair], thresholds)
+    assert max(wide, key=wide.__getitem__) == pair.effects
+    odds = [np.log(p[pair.effects] / p[single.effects]) * thresholds["temperature"] for p in (usual, wide)]
+    assert odds[1] - odds[0] == pytest.approx(thresholds["narrowing_weight"] * np.log(1.8))
 
 
 def test_the_best_name_is_no_sure_name_where_its_fit_fails_the_absolute_check():
