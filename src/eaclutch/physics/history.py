@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from eaclutch.physics.kernels.batch import RESULTS, STATUSES, simulate, trace
-from eaclutch.physics.kernels.ramp import driven_friction, slip_bottom, train_stiffness
+from eaclutch.physics.kernels.ramp import driven_friction, slip_bottom, stuck_stiffness, train_stiffness
 from eaclutch.physics.kernels.readout import lagged
 from eaclutch.physics.kernels.release import force_at
 from eaclutch.physics.kernels.tip import COLUMNS, SEGMENTS
@@ -78,7 +78,7 @@ def _stick_slip(
 ) -> tuple[FloatArray, float]:  # fmt: skip
     """Reading while driven, and the force at which the stage leaves the tip when it stops."""
     stiffness = train_stiffness(row)
-    rate = stiffness * float(row["stage_speed"])
+    rate = stuck_stiffness(row) * float(row["stage_speed"])
     mass = float(row["mass"] + row["added_mass"])
     beta = 0.5 * float(row["load_cell_damping"] + row["side_damping"]) / mass
     omega = math.sqrt(max(stiffness / mass - beta**2, 1e-6))

@@ -121,12 +121,13 @@ def test_a_part_of_a_campaign_keeps_its_sessions(runs: RunConditions):
 
 
 def test_what_gives_behind_the_sliding_face_slows_the_ramp_and_no_swing(runs: RunConditions):
-    def predicted(**values):
-        named = {f"series_compliance.{name}": value for name, value in values.items()}
-        return ClutchModel(BENCH, (*BASE, "series_compliance")).predict(runs, named).values
+    model = ClutchModel(BENCH, (*BASE, "series_compliance"))
+
+    def given(compliance: float, share: float) -> dict[str, float]:
+        return {"series_compliance.compliance": compliance, "series_compliance.film_share": share}
 
     none, mount, film = (
-        predicted(compliance=c, film_share=s) for c, s in ((0.0, 0.0), (2e-5, 0.0), (2e-5, 1.0))
+        model.predict(runs, given(c, s)).values for c, s in ((0.0, 0.0), (2e-5, 0.0), (2e-5, 1.0))
     )
     holds = none["ramp_rate_n_s"] > 3.0  # the others slip within the ramp's window
     assert np.count_nonzero(holds) == 5
@@ -134,3 +135,5 @@ def test_what_gives_behind_the_sliding_face_slows_the_ramp_and_no_swing(runs: Ru
     assert np.max(film["ramp_rate_n_s"][holds] / none["ramp_rate_n_s"][holds]) < 0.8
     np.testing.assert_array_equal(film["release_time_90_s"], none["release_time_90_s"])
     assert np.nanmin(mount["release_time_90_s"] / none["release_time_90_s"]) > 1.05
+    force = model.history(runs, 0, given(2e-5, 1.0), np.array([4e-3, 16e-3]))
+    assert (force[1] - force[0]) / 12e-3 == pytest.approx(film["ramp_rate_n_s"][0, 0], rel=0.02)
