@@ -31,6 +31,7 @@ from scipy.special import expit, logit, softmax
 from eaclutch.blind import plan
 from eaclutch.blind.generate import generate_case, write_tables
 from eaclutch.cli.blind_methods import read_case
+from eaclutch.diagnosis.closure import surely_wider
 from eaclutch.diagnosis.forecast import Forecast
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
@@ -58,6 +59,7 @@ class Weighed:
     gap_left_out: float
     adequate_p: float
     multipliers: tuple[float, float]
+    wider: bool
 
 
 def weigh_case(job: tuple[plan.Entry, str]) -> None:
@@ -72,6 +74,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
     study = Study(read_case(folder, "library", {}), load_thresholds())
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found = with_pairs(study, found, PAIRS)
+    wider = surely_wider(study.cells, found, study.generator(16))
     rows = [
         [
             list(r.effects),
@@ -82,6 +85,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
             r.gap_left_out,
             r.adequate_p,
             r.multipliers,
+            r.effects in wider,
         ]
         for r in found
     ]
@@ -91,7 +95,8 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
 def adjusted(thresholds: Mapping[str, Any], x: np.ndarray) -> dict[str, Any]:
     """Thresholds with the fitted numbers (5,) in."""
     none, unknown, _ = softmax([x[1], x[2], 0.0])
-    prior = {"none": float(none), "unknown": float(unknown), "pair_share": float(expit(x[3]))}
+    fitted = {"none": float(none), "unknown": float(unknown), "pair_share": float(expit(x[3]))}
+    prior = dict(thresholds["prior"]) | fitted
     return dict(thresholds) | {
         "temperature": float(np.exp(x[0])),
         "prior": prior,
@@ -108,13 +113,18 @@ def start(thresholds: Mapping[str, Any]) -> np.ndarray:
                      np.log(thresholds["remainder_cost"])])  # fmt: skip
 
 
+def _wider(rows: Sequence[Weighed]) -> set[tuple[str, ...]]:
+    return {row.effects for row in rows if row.wider}
+
+
 def loss(
     x: np.ndarray, thresholds: Mapping[str, Any], cases: Sequence[tuple[Mapping[str, Any], Any]]
 ) -> float:
     """Mean weighted log score, the lower the better."""
     total = 0.0
     for answer, rows in cases:
-        weights = {frozenset(k): v for k, v in probabilities(rows, adjusted(thresholds, x)).items()}
+        found = probabilities(rows, adjusted(thresholds, x), _wider(rows))
+        weights = {frozenset(k): v for k, v in found.items()}
         total -= WEIGHTS[answer["kind"]] * np.log(max(weights.get(frozenset(answer["verdict"]), 0.0), FLOOR))
     return total / len(cases)
 
@@ -123,7 +133,7 @@ def outcome(thresholds: Mapping[str, Any], cases: Sequence[tuple[Mapping[str, An
     """Shares by kind of case: right verdict, named, probability on the truth, truth in the set, its size."""
     rows: dict[str, list[list[float]]] = defaultdict(list)
     for answer, found in cases:
-        weights = probabilities(found, thresholds)
+        weights = probabilities(found, thresholds, _wider(found))
         verdict = decide(weights, found, thresholds)
         truth = frozenset(answer["verdict"])
         offered = [frozenset(verdict.effects), *map(frozenset, verdict.alternatives)]

@@ -76,7 +76,7 @@ def summarise(
         np.array([r[3] for r in rows], dtype=object),
         np.array([r[4] for r in rows], dtype=float),
         np.array([r[5] for r in rows], dtype=float),
-        np.array([r[8] if len(r) > 8 else 0.0 for r in rows], dtype=float),
+        np.array([r[8] for r in rows], dtype=float),
         np.array([r[6:8] for r in rows], dtype=float).reshape(len(rows), 2),
         tuple(notes),
     )
@@ -139,7 +139,7 @@ def _spectrum(spectrum: Spectrum, scale: Mapping[str, float], scatter: float) ->
         at = float(np.mean(frequency[part]))
         mean, sd = float(np.mean(log_kappa[part])), max(scatter, 0.01)
         rows.append((mean, sd, "permittivity", spectrum.source, 10.0**at, 0.0,
-                     at / scale["log10_frequency"], 0.0))  # fmt: skip
+                     at / scale["log10_frequency"], 0.0, 0.0))  # fmt: skip
     return rows
 
 
@@ -151,6 +151,6 @@ def _bursts(bursts: BurstFeatures) -> list[tuple]:
     sd_f = np.hypot(scatter_f / np.sqrt(n), 1e-3)
     sd_d = np.hypot(scatter_d / np.sqrt(n), 1e-2)
     return [
-        (float(np.mean(frequency)), sd_f, "bursts", "frequency", 0.0, 0.0, 0.0, 0.0),
-        (float(np.mean(damping)), sd_d, "bursts", "damping", 1.0, 0.0, 9.0, 0.0),
+        (float(np.mean(frequency)), sd_f, "bursts", "frequency", 0.0, 0.0, 0.0, 0.0, 0.0),
+        (float(np.mean(damping)), sd_d, "bursts", "damping", 1.0, 0.0, 9.0, 0.0, 0.0),
     ]
