@@ -30,7 +30,7 @@ rule all:
 
 
 onstart:
-    hold_results()
+    date_results()
 
 
 onerror:

@@ -60,7 +60,7 @@ class Bench:
         if not known.exists() and status == 0:
             known.write_text(str(time.monotonic() - started))
         if status:
-            print((self.folder / "reference.log").read_text(errors="replace")[-6000:], file=sys.stderr)
+            print(self.output(work)[-6000:], file=sys.stderr)
             sys.exit("the undisturbed run fails")
         self.wall = float(known.read_text())
         self.reference = state(work)
@@ -81,11 +81,14 @@ class Bench:
         """A random time within a run [s]."""
         return float(self.rng.uniform(1.0, 1.1 * self.wall))
 
-    def last_lines(self, work: Path) -> list[str]:
-        """The error lines in the run's output; none before its first start."""
+    def output(self, work: Path) -> str:
+        """What the runs have printed; empty before the first start."""
         log = self.folder / f"{work.name}.log"
-        text = log.read_text(errors="replace") if log.exists() else ""
-        found = [line for line in text.splitlines() if line.startswith("eaclutch: error:")]
+        return log.read_text(errors="replace") if log.exists() else ""
+
+    def last_lines(self, work: Path) -> list[str]:
+        """The error lines in the runs' output."""
+        found = [line for line in self.output(work).splitlines() if line.startswith("eaclutch: error:")]
         return [line.replace(str(self.folder), "<folder>") for line in found]
 
 

@@ -23,9 +23,9 @@ def test_a_killed_run_goes_on_and_only_one_works_at_a_time(tmp_path):
     first = bench.start(work)
     time.sleep(1.0)
     second = bench.start(work)
-    assert sorted((first.wait(900), second.wait(900))) == [0, 1]
+    assert sorted((first.wait(900), second.wait(900))) == [0, 1], bench.output(work)[-6000:]
     assert [line.split(";")[0] for line in bench.last_lines(work)] == [
         "eaclutch: error: results/tiny: another run makes these results"
-    ]
+    ], bench.output(work)[-6000:]
     assert verify(work / "results" / "tiny") == []
     assert bench.finish(work) == 0

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 from pathlib import Path
 
 import pytest
 
+from eaclutch.files import hold
 from workflow.tiny import call_snakemake, error_lines, tiny_campaign
 
 pytestmark = [pytest.mark.workflow, pytest.mark.timeout(1500)]
@@ -36,6 +38,17 @@ def test_a_wrong_bench_stops_before_the_dag(tmp_path: Path) -> None:
     done = call_snakemake(tmp_path, "--config", "campaign=tiny")
     assert done.returncode != 0 and "pad.film_thickness_mm" in "".join(error_lines(done))
     assert "Building DAG" not in done.stderr
+
+
+def test_results_that_another_run_makes_stop_before_the_dag_but_not_a_dry_run(tmp_path: Path) -> None:
+    tiny_campaign(tmp_path / "tiny", runs=2)
+    handle = hold(tmp_path / ".snakemake" / "eaclutch" / "tiny.lock")
+    done = call_snakemake(tmp_path, "--config", "campaign=tiny")
+    dry = call_snakemake(tmp_path, "-n", "--config", "campaign=tiny")
+    os.close(handle)
+    assert done.returncode != 0 and "another run makes these results" in "".join(error_lines(done))
+    assert "Building DAG" not in done.stderr
+    assert dry.returncode == 0 and not error_lines(dry)
 
 
 def test_logs_that_cannot_be_read_give_one_line_however_many_jobs_fail(tmp_path: Path) -> None:

@@ -45,15 +45,19 @@ for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "NUMBA_NUM_THREADS")
     os.environ[variable] = "1"
 
 
-def hold_results():
-    """Keep other runs from making these results until this process ends, however it ends."""
+# Other runs are kept from these results before this one looks at what is there: files that go while Snakemake looks
+# end it with a line of its own. Jobs belong to the run that holds them; a dry run changes nothing.
+if workflow.is_main_process and not workflow.output_settings.dryrun:
     try:
-        hold(f".snakemake/eaclutch/{BENCH.name}.lock")
+        hold(f".snakemake/eaclutch/{BENCH.name}.lock")  # free again when this process ends, however it ends
     except BlockingIOError:
         stop(InputError(RESULTS, "another run makes these results", "wait for it, or use another --directory"))
     except OSError as error:
         stop(InputError(".snakemake", f"cannot be written ({error.strerror})", "use a --directory that can"))
-    # Snakemake refuses an output that is older than its input: after the clock was set back, all of them would be
+
+
+def date_results():
+    """Set what comes from the future to now: after the clock was set back, outputs would be older than inputs."""
     now = time.time()
     for path in Path(RESULTS).rglob("*"):
         if path.is_file() and path.stat().st_mtime > now:
