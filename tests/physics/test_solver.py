@@ -77,6 +77,31 @@ def test_side_walls_hold_more_while_the_voltage_is_on(runs, bench):
     assert pulled.values[TIMES[2]][0, 0] == plain.values[TIMES[2]][0, 0]
 
 
+def test_what_the_hold_loses_is_seen_at_release_alone(model, runs):
+    """A fifth of the pull gone from the start, or by the end of the hold: the film is let go from the same gap."""
+    model = ClutchModel(model.bench, (*BASE, "supply_sag"))
+    conditions = runs(frequency=1e4, switch_off_force=0.5)
+    sag = {"supply_sag.sag": 0.8**-0.5 - 1.0, "supply_sag.frequency_exponent": 1.0}
+    whole = model.predict(conditions, sag | {"supply_sag.sag": 0.0})
+    soon = model.predict(conditions, sag | {"supply_sag.late_share": 0.0})
+    late = model.predict(conditions, sag | {"supply_sag.late_share": 1.0})
+    assert late.values["shear_capacity_n"] == whole.values["shear_capacity_n"]
+    assert soon.values["shear_capacity_n"] < 0.95 * whole.values["shear_capacity_n"]
+    for name in TIMES:
+        np.testing.assert_allclose(late.values[name], soon.values[name], rtol=1e-9)
+        assert abs(late.values[name][0, 0] - whole.values[name][0, 0]) > 0
+    # without a measured force at switch-off: it slips again as the hold's pull fades, and no more than the rest of it
+    conditions = runs(frequency=1e4)
+    for phase in (0.0, 0.5, 1.0):
+        soon, late = (
+            model.predict(conditions, sag | {"supply_sag.late_share": share, "slip_phase": phase})
+            for share in (0.0, 1.0)
+        )
+        held = late.values["switch_off_force_n"]
+        assert held <= (soon.values["shear_capacity_n"] + 0.15) * (1 + 1e-12)
+        assert (held >= soon.values["switch_off_force_n"] * (1 - 1e-12)).all()
+
+
 def test_film_step_has_order_four(model, runs):
     """Fixed steps over a smooth stretch of a release: the error falls as the fourth power of the step."""
     row = model.rows(runs(), {})[0][0, 0]

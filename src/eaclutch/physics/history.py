@@ -7,7 +7,13 @@ import math
 import numpy as np
 
 from eaclutch.physics.kernels.batch import RESULTS, STATUSES, simulate, trace
-from eaclutch.physics.kernels.ramp import driven_friction, slip_bottom, stuck_stiffness, train_stiffness
+from eaclutch.physics.kernels.ramp import (
+    driven_friction,
+    force_after_hold,
+    slip_bottom,
+    stuck_stiffness,
+    train_stiffness,
+)
 from eaclutch.physics.kernels.readout import lagged
 from eaclutch.physics.kernels.release import force_at
 from eaclutch.physics.kernels.tip import COLUMNS, SEGMENTS
@@ -51,7 +57,7 @@ def run_history(
     if after.any():
         start = row.copy()
         if math.isnan(start["switch_off_force"]):
-            start["switch_off_force"] = held
+            start["switch_off_force"] = force_after_hold(row, held, out[15], out[1], table)
         else:  # the run is known to have ended at this force: the hold says so too
             force[(time > stop) & (time <= off)] = start["switch_off_force"]
         _, n, level, _ = trace(start, table, tolerance, segments, work)

@@ -36,6 +36,9 @@ class Sockets:
         0.0  # weight w: F = (1 - w) flat gap + w averaged (the model's rule)
     )
     force_factor: FloatArray | float = 1.0  # multiplies F_ea beside force_multiplier
+    held_factor: FloatArray | float = (
+        1.0  # multiplies F_ea once more at the end of the hold, where it is released
+    )
     residual_fraction: FloatArray | float = (
         0.0  # residual field: V_res = fraction V0 exp(-t / residual_decay_time), at the driven kappa; the rest of
         # V0^2, (1 - fraction^2), falls with the drive, so the force is continuous at switch-off

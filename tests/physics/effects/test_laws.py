@@ -102,10 +102,14 @@ CASES = {
         {"reading_drift": [0.04, 0.04, 0.01, 0.0]},
     ),
     "readout_lag": ({"time_constant": 3e-4}, {"readout_time": 3e-4}),
-    # 0.5 * (0.1, 1e-5, 1e-3, 0.1)^2 and, 4 mm wide, twice that to the power 1/2: 1 / 1.005^2, .., 1 / 1.00000071^2
+    # 0.5 * (0.1, 1e-5, 1e-3, 0.1)^2 and, 4 mm wide, twice that to the power 1/2: 0.005, .., 7.1e-7; a quarter of it
+    # soon: 1 / 1.00125^2, .., then (1.00125 / 1.005)^2, ..
     "supply_sag": (
-        {"sag": 0.5, "frequency_exponent": 2.0, "width_exponent": 0.5},
-        {"force_factor": [0.99007450, 1.0, 0.99999859, 0.99007450]},
+        {"sag": 0.5, "frequency_exponent": 2.0, "width_exponent": 0.5, "late_share": 0.75},
+        {
+            "force_factor": [0.99750468, 1.0, 0.99999965, 0.99750468],
+            "held_factor": [0.99255124, 1.0, 0.99999894, 0.99255124],
+        },
     ),
     # 4 mm: 5/8 of it beyond 1.5 mm, of which 0.4; 2 mm: 1/4
     "lost_area": ({"share": 0.4, "sound_width": 1.5e-3}, {"force_factor": [0.9, 0.9, 0.75, 0.9]}),

@@ -1,6 +1,7 @@
 """Supply sag: a supply with an output resistance gives up voltage in proportion to the mean current that is drawn.
 Every reversal takes the pad's charge, so the voltage falls to 1 / (1 + x) of its set value with x = 4 f R C for a
-resistance, steeper or flatter than f for a supply that regulates. Unlike a slow drive it delays no edge."""
+resistance, steeper or flatter than f for a supply that regulates. Unlike a slow drive it delays no edge. What its
+output capacitor holds lasts for a while: part of the loss, or all, comes after the climb."""
 
 from __future__ import annotations
 
@@ -16,11 +17,15 @@ REFERENCE_FREQUENCY = 1e4  # Hz
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """force_factor (1 + sag (f / 10 kHz)^n (w / w_0)^p)^-2."""
+    """x = sag (f / 10 kHz)^n (w / w_0)^p; force_factor (1 + (1 - late) x)^-2, and (1 + x)^-2 with held_factor."""
     frequency = inputs.conditions.frequency / REFERENCE_FREQUENCY
     load = inputs.relative_width ** np.asarray(values["width_exponent"])
     x = values["sag"] * frequency ** np.asarray(values["frequency_exponent"]) * load
-    return sockets.with_(force_factor=sockets.force_factor / (1.0 + x) ** 2)
+    soon = (1.0 - np.asarray(values["late_share"])) * x
+    return sockets.with_(
+        force_factor=sockets.force_factor / (1.0 + soon) ** 2,
+        held_factor=sockets.held_factor * ((1.0 + soon) / (1.0 + x)) ** 2,
+    )
 
 
 EFFECT = Effect(
@@ -55,6 +60,14 @@ EFFECT = Effect(
             Prior("uniform", 0.0, 1.0),
             description="1: all current charges the pad, 0: none of it does",
         ),
+        Parameter(
+            "late_share",
+            "1",
+            (0.0, 1.0),
+            0.0,
+            Prior("uniform", 0.0, 1.0),
+            description="of the loss, what comes after the force has climbed; 0: the voltage is low from the start",
+        ),
     ),
     reference=(
         "Hinchet & Shea, Adv. Mater. Technol. 5 (2020) 1900895, doi:10.1002/admt.201900895 (charging currents of a "
@@ -66,5 +79,6 @@ EFFECT = Effect(
         "sag": float(np.exp(rng.uniform(np.log(0.08), np.log(0.6)))),
         "frequency_exponent": float(rng.uniform(0.7, 2.0)),
         "width_exponent": float(rng.uniform(0.0, 1.0)),
+        "late_share": float(rng.uniform(0.0, 1.0)),
     },
 )

@@ -9,10 +9,18 @@ from numba import prange
 
 from eaclutch.physics.kernels.compiled import compiled, compiled_parallel, threads, unmanaged
 from eaclutch.physics.kernels.engagement import engagement_time
-from eaclutch.physics.kernels.ramp import driven_run
+from eaclutch.physics.kernels.ramp import driven_run, force_after_hold
 from eaclutch.physics.kernels.readout import read_crossings
 from eaclutch.physics.kernels.release import final_force, release
-from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, PULL_IN, TIMED_OUT, driven_gap, rest_before
+from eaclutch.physics.kernels.statics import (
+    NEVER_SLIPS,
+    OK,
+    PULL_IN,
+    TIMED_OUT,
+    driven_gap,
+    held_gap,
+    rest_before,
+)
 from eaclutch.physics.kernels.tip import COLUMNS, SEGMENTS
 from eaclutch.physics.tables import Tables
 
@@ -20,7 +28,7 @@ from eaclutch.physics.tables import Tables
 RESULTS = (
     "preload", "gap_before", "gap_driven", "capacity", "switch_off", "slip_fraction", "ramp", "ramp_early",
     "ramp_late", "engagement", "release_10", "release_50", "release_90", "final",
-    "own_switch_off",
+    "own_switch_off", "gap_held",
 )  # fmt: skip
 STATUSES = ("capacity", "engagement", "release")
 WORTH_SHARING = 20_000.0  # us of work
@@ -45,6 +53,15 @@ def steady(p, tables, out, status):
     status[0], out[3], out[4], out[5], out[6], out[7], out[8], out[14] = driven_run(
         p, gap, gap_before, tables
     )
+    out[15] = gap
+    if p.held_factor != 1.0:
+        kind, out[15] = held_gap(p, preload, gap_before, tables)
+        if kind == PULL_IN:
+            status[:] = PULL_IN
+            return False
+        out[14] = force_after_hold(p, out[14], out[15], gap_before, tables)
+        if math.isnan(p.switch_off_force):
+            out[4] = out[14]
     return True
 
 
@@ -65,7 +82,7 @@ def simulate(p, tables, engage, releasing, fraction, tolerance, segments, work, 
     if not releasing:
         return 0
     kind, n, rest_time, rest_force = release(
-        p, out[0], out[1], out[2], out[4], tolerance, tables, segments, work
+        p, out[0], out[1], out[15], out[4], tolerance, tables, segments, work
     )
     status[2] = kind
     final = final_force(segments, n, rest_time, rest_force, out[4]) if kind != TIMED_OUT else math.nan
@@ -119,5 +136,5 @@ def trace(p, tables, tolerance, segments, work):
     out[:] = math.nan
     if not steady(p, tables, out, status):
         return PULL_IN, 0, math.nan, math.nan
-    kind, n, _, rest = release(p, out[0], out[1], out[2], out[4], tolerance, tables, segments, work)
+    kind, n, _, rest = release(p, out[0], out[1], out[15], out[4], tolerance, tables, segments, work)
     return kind, n, out[4], rest

@@ -48,9 +48,16 @@ def residual_left(p, t, phase):
 
 
 @inlined
+def full_amount(p, phase):
+    """F_ea's scale [N m2] at the edge: the film is released from what the hold has left."""
+    full = p.force_scale * p.voltage * p.voltage
+    return full * p.held_factor if phase == RELEASING else full
+
+
+@inlined
 def fields_at(p, t, phase, tables):
     """(field of the drive, residual field) at t."""
-    full = p.force_scale * p.voltage * p.voltage
+    full = full_amount(p, phase)
     ratio, _, kappa, _ = history(p, t, phase, tables)
     left = residual_left(p, t, phase)
     main = make_field(p, full * ratio, kappa, ratio + left) if ratio > SPENT else NO_FIELD
@@ -70,7 +77,7 @@ def electroadhesion(p, fields, h, tables):
 @inlined
 def electroadhesion_slopes(p, t, phase, h, tables):
     """(F_ea, dF_ea/dh, dF_ea/dt) at t."""
-    full = p.force_scale * p.voltage * p.voltage
+    full = full_amount(p, phase)
     ratio, ratio_rate, kappa, kappa_rate = history(p, t, phase, tables)
     left = residual_left(p, t, phase)
     force, slope, rate = 0.0, 0.0, 0.0

@@ -120,3 +120,9 @@ def field_slopes(p, field, h, tables):
 def driven_field(p):
     """The field with the full voltage on for long."""
     return make_field(p, p.force_scale * p.voltage * p.voltage, p.kappa_driven, 1.0)
+
+
+@inlined
+def held_field(p):
+    """What is left of it at the end of the hold."""
+    return make_field(p, p.held_factor * p.force_scale * p.voltage * p.voltage, p.kappa_driven, 1.0)

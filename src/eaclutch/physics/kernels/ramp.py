@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from eaclutch.physics.kernels.compiled import compiled
-from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_force
+from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_force, held_field
 from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, frictions
 
 
@@ -24,9 +24,15 @@ def stuck_stiffness(p):
 @compiled
 def driven_friction(p, gap, gap_before, tables):
     """(static, kinetic) friction [N] at rest with the voltage on, kinetic at the mean speed of a slip."""
+    return friction_in_field(p, driven_field(p), gap, gap_before, tables)
+
+
+@compiled
+def friction_in_field(p, field, gap, gap_before, tables):
+    """(static, kinetic) friction [N] at rest in a steady field, kinetic at the mean speed of a slip."""
     lift, _ = contact(p, gap, tables)
     pull, _ = adhesion(p, gap)
-    force = field_force(p, driven_field(p), gap, tables)
+    force = field_force(p, field, gap, tables)
     normal_base = p.substrate_weight + lift - force - pull
     static, kinetic = frictions(p, normal_base, lift, p.static_factor_ramp, 0.0)
     if p.weakening_depth != 0.0:
@@ -96,3 +102,13 @@ def driven_run(p, gap, gap_before, tables):
     early = ramp_slope(start, static, bottom, rate, 0.5e-3, 5e-3)
     late = ramp_slope(start, static, bottom, rate, 50e-3, 200e-3)
     return status, largest, switch_off, (static - bottom) / static, ramp, early, late, own
+
+
+@compiled
+def force_after_hold(p, force, gap, gap_before, tables):
+    """``force`` [N], or where less than it sticks at the end of the hold (``gap`` [m]) what the slips there leave."""
+    static, kinetic = friction_in_field(p, held_field(p), gap, gap_before, tables)
+    if force <= static:
+        return force
+    bottom = slip_bottom(p, static, kinetic)
+    return bottom + p.slip_phase * (static - bottom)

@@ -15,8 +15,8 @@ ROW = np.dtype(
             "kappa_driven", "kappa_infinity", "relaxing", "relaxation_time", "exponent", "saturation_ratio",
             "thinning_ratio", "thickness",
             # electrostatics: force_scale = Q lambda force_factor; clamped 1 or 0; cut of the published rule
-            "force_scale", "gap_in_force", "roughness_in_force", "clamped", "cut", "residual_fraction",
-            "residual_decay_time",
+            "force_scale", "held_factor", "gap_in_force", "roughness_in_force", "clamped", "cut",
+            "residual_fraction", "residual_decay_time",
             # contact: contact_scale = k L w sigma^1.5; sigma = roughness and any spread of gaps
             "contact_scale", "sigma", "inverse_sigma", "adhesion_force",
             # film: damping [N s m2] so that F_b = -damping / (h^2 (h + 6 slip_length)) dh/dt

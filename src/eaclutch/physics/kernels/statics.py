@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from eaclutch.physics.kernels.compiled import compiled
-from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_slopes, tension
+from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_slopes, held_field, tension
 from eaclutch.physics.kernels.lookup import log_contact
 
 OK, PULL_IN, NEVER_SLIPS, TIMED_OUT = 0, 1, 2, 3
@@ -82,14 +82,25 @@ def net_log(p, h, load, gap_before, force, force_h, tables):
 
 @compiled
 def driven_gap(p, preload, gap_before, tables):
-    """(status, gap [m]) with the voltage on: the first equilibrium below the gap without voltage.
+    """(status, gap [m]) with the voltage on."""
+    return gap_in_field(p, driven_field(p), preload, gap_before, tables)
+
+
+@compiled
+def held_gap(p, preload, gap_before, tables):
+    """(status, gap [m]) at the end of the hold."""
+    return gap_in_field(p, held_field(p), preload, gap_before, tables)
+
+
+@compiled
+def gap_in_field(p, field, preload, gap_before, tables):
+    """(status, gap [m]) in a steady field: the first equilibrium below the gap without voltage.
 
     The film comes from ``gap_before``; log(F_k) is concave and the load's log convex, so Newton from above is
     monotone. Where the slope turns the film would run on: it is followed in small steps to the next equilibrium.
     """
     load = preload + p.film_weight
     floor = CLOSED * p.sigma
-    field = driven_field(p)
     h = gap_before
     high, low = gap_before, floor
     for _ in range(80):
