@@ -6,14 +6,15 @@ makes simulated campaigns (the open namespace of ``eaclutch.blind``: no sealed c
 hypothesis on each, and fits temperature, prior odds and the cost of a remainder by the mean log score. Prints what the
 fitted numbers and the present ones make of the set, and what the right name gained at each size: what
 config/blind_limits.json is set by. ``--forecast`` also writes what the design of the set's first campaign without an
-effect could tell apart (confusion.json, for ``blind.forecast``). Each case is kept as soon as it is done.
+effect could tell apart (confusion.json, for ``blind.forecast``). ``--none 150`` makes so many campaigns without an
+effect instead and says how many get a name. Each case is kept as soon as it is done.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from multiprocessing import Pool
@@ -27,6 +28,7 @@ import numpy as np
 from measurement import record
 from scipy.optimize import minimize
 from scipy.special import expit, logit, softmax
+from scipy.stats import binomtest
 
 from eaclutch.blind import plan
 from eaclutch.blind.generate import generate_case, write_tables
@@ -74,7 +76,8 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
     study = Study(read_case(folder, "library", {}), load_thresholds())
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found = with_pairs(study, found, PAIRS)
-    wider = surely_wider(study.cells, found, study.generator(16))
+    times = study.thresholds["widening"]["times"]
+    wider = surely_wider(study.cells, found, times, study.generator(16))
     rows = [
         [
             list(r.effects),
@@ -161,16 +164,33 @@ def gains(cases: Sequence[tuple[Mapping[str, Any], Any]]) -> dict[str, list[tupl
     return {effect: sorted(pairs) for effect, pairs in sorted(found.items())}
 
 
+def false_alarms(
+    thresholds: Mapping[str, Any], cases: Sequence[tuple[Mapping[str, Any], Any]]
+) -> dict[str, Any]:
+    """Campaigns without an effect: verdicts by count, and the share that gets a name with its 90 % interval."""
+    said = Counter(
+        " and ".join(decide(probabilities(found, thresholds, _wider(found)), found, thresholds).effects)
+        or "none"
+        for _, found in cases
+    )
+    named = sum(count for verdict, count in said.items() if verdict not in ("none", "unknown"))
+    low, high = binomtest(named, len(cases)).proportion_ci(0.9)
+    return {"cases": len(cases), "said": dict(said), "named": named, "interval": [float(low), float(high)]}
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--forecast", type=Path, help="confusion.json to write")
+    parser.add_argument("--none", type=int, help="so many campaigns without an effect, and nothing else")
     parser.add_argument("--record", action="store_true")
     chosen = parser.parse_args()
     plan.SIZE_RANGE = SIZES
-    entries = plan.make_plan("dev", chosen.seed, **COUNTS)
+    counts = {"none": chosen.none, "unknown": 0, "pairs": 0} if chosen.none else COUNTS
+    command = f"python benchmarks/development.py --seed {chosen.seed} --work development"
+    entries = plan.make_plan("dev", chosen.seed, **counts)
     with Pool(chosen.jobs) as pool:
         for done, _ in enumerate(
             pool.imap_unordered(weigh_case, [(e, str(chosen.work)) for e in entries]), 1
@@ -183,6 +203,12 @@ def main() -> None:
             (document["answer"], [Weighed(tuple(e), *numbers) for e, *numbers in document["weighed"]])
         )
     present = load_thresholds()
+    if chosen.none:
+        result = false_alarms(present, cases)
+        print(result)
+        if chosen.record:
+            record("no_effect", f"{command} --none {chosen.none}", result)
+        return
     if chosen.forecast:
         plain = next(answer["case"] for answer, _ in cases if answer["kind"] == "none")
         study = Study(read_case(chosen.work / "cases" / plain, "library", {}), present)
@@ -198,9 +224,7 @@ def main() -> None:
     for key, value in result.items():
         print(key, value)
     if chosen.record:
-        record(
-            "development", f"python benchmarks/development.py --seed {chosen.seed} --work development", result
-        )
+        record("development", command, result)
 
 
 if __name__ == "__main__":

@@ -148,11 +148,11 @@ def test_a_name_that_surely_widens_the_gap_left_out_is_no_sure_name():
     thresholds = load_thresholds()
     base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
     found = probabilities([base, named], thresholds, {("gap_tilt",)})
-    assert found[("unknown",)] == pytest.approx(thresholds["widening_share"])
+    assert found[("unknown",)] == pytest.approx(thresholds["widening"]["share"])
     assert sum(found.values()) == pytest.approx(1.0)
     named.adequate_p = 0.005
     also_misfits = probabilities([base, named], thresholds, {("gap_tilt",)})
-    left = (1 - thresholds["widening_share"]) * (1 - thresholds["misfit_share"])
+    left = (1 - thresholds["widening"]["share"]) * (1 - thresholds["misfit_share"])
     assert also_misfits[("gap_tilt",)] == pytest.approx(left)
 
 

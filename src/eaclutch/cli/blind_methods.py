@@ -63,7 +63,8 @@ def diagnose_case(
 def _without(study: Study, found: Sequence[CandidateResult]) -> dict[str, Any]:
     """Verdicts with each candidate taken out of the library in turn; the other fits stay as they are."""
     out = {}
-    wider = surely_wider(study.cells, found, study.generator(16))
+    times = study.thresholds["widening"]["times"]
+    wider = surely_wider(study.cells, found, times, study.generator(16))
     for name in study.candidates:
         kept = [result for result in found if name not in result.effects]
         weights = probabilities(kept, study.thresholds, wider)

@@ -58,13 +58,13 @@ def _share(closed: FloatArray, left: FloatArray, real: np.ndarray, otherwise: fl
 
 
 def surely_wider(
-    cells: Cells, results: Sequence[CandidateResult], rng: np.random.Generator
+    cells: Cells, results: Sequence[CandidateResult], times: float, rng: np.random.Generator
 ) -> frozenset[tuple[str, ...]]:
-    """Sets of effects with which the gap left out is wider than without, in 95 % of draws of conditions."""
+    """Sets of effects that leave over ``times`` the base model's gap on conditions left out, in 95 % of their draws."""
     counts, index = _condition_draws(cells, rng)
     before, found = _ratios(cells, next(r for r in results if not r.effects)), set()
     for result in results:
-        closed = counts @ np.bincount(index, weights=before - _ratios(cells, result))
+        closed = counts @ np.bincount(index, weights=times * before - _ratios(cells, result))
         if counts.shape[1] > 1 and np.quantile(closed, 0.95) < 0:
             found.add(result.effects)
     return frozenset(found)

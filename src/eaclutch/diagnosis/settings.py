@@ -15,7 +15,7 @@ DEFAULT = Path(__file__).with_name("thresholds.yaml")
 REQUIRED = ("provenance", "session_sd", "tolerance", "scatter", "shared", "repeat_sd",
             "within_block_correlation", "tolerance_shares", "length_scales", "signature_tolerance", "multipliers",
             "nameless", "modulated", "remainder_cost", "pair_widening", "against_unknown", "misfit_share",
-            "widening_share", "narrowing_weight", "prior", "priors", "temperature", "verdict")  # fmt: skip
+            "widening", "narrowing_weight", "prior", "priors", "temperature", "verdict")  # fmt: skip
 
 
 @cache

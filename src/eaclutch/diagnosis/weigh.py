@@ -38,7 +38,7 @@ def probabilities(
     effect than like them. Lookalikes, each less probable beforehand than an effect of the library
     (``lookalike_share``), are written down, and count in full; what they win is ``unknown``'s. And a name whose fit
     fails the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence only says who is best.
-    So does one that surely widens the gap on conditions left out (``wider``; ``widening_share``).
+    So does one that surely widens the gap on conditions left out by far (``wider``; ``widening``).
     """
     score, nameless, lookalikes = _scores(results, thresholds)
     best = max((x for effects, x in score.items() if effects), default=-np.inf)
@@ -53,7 +53,7 @@ def probabilities(
             continue
         misfits = result.adequate_p < thresholds["verdict"]["adequate_p_value"]
         kept = 1.0 - (float(thresholds["misfit_share"]) if misfits else 0.0)
-        kept *= 1.0 - (float(thresholds["widening_share"]) if result.effects in wider else 0.0)
+        kept *= 1.0 - (float(thresholds["widening"]["share"]) if result.effects in wider else 0.0)
         found[UNKNOWN] += (1.0 - kept) * found[result.effects]
         found[result.effects] *= kept
     return found

@@ -145,7 +145,7 @@ def fill_rows(
         "switch_off_force": conditions.switch_off_force - sockets.reading_drift * conditions.drive_duration,
         "drive_duration": conditions.drive_duration,
         "dwell": conditions.dwell,
-        "stage_speed": bench.stage_speed,
+        "stage_speed": bench.stage_speed * sockets.stage_speed_factor,
     }
     for name in ROW.names or ():
         if name not in fields:

@@ -81,6 +81,7 @@ class Sockets:
     added_mass: FloatArray | float = 0.0  # kg; moves with the tip while it pushes
     series_compliance: FloatArray | float = 0.0  # m/N; in series with the load cell while the tip pushes
     film_compliance: FloatArray | float = 0.0  # m/N; beside it while the strip sticks: of the film, in shear
+    stage_speed_factor: FloatArray | float = 1.0  # multiplies the stage's speed
     # readout
     readout_time: FloatArray | float = 0.0  # s; time constant of a low pass between the force and its log
     reading_drift: FloatArray | float = 0.0  # N/s; rate at which the zero of the reading moves while driven

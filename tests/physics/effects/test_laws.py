@@ -123,6 +123,7 @@ CASES = {
         {"gain_1": 0.5, "gain_2": 7.0, "gain_3": 9.0},
         {"damping_factor": [0.5, 0.5, 7.0, 7.0]},
     ),
+    "slow_stage": ({"lost": 0.25}, {"stage_speed_factor": 0.75}),
     # 4 mm: twice the width to the power 1/2
     "viscous_drag": (
         {"drag": 2.0, "width_exponent": 0.5},
