@@ -62,6 +62,7 @@ class Weighed:
     adequate_p: float
     multipliers: tuple[float, float]
     wider: bool
+    remainder_law: tuple[str, ...]
 
 
 def weigh_case(job: tuple[plan.Entry, str]) -> None:
@@ -89,6 +90,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
             r.adequate_p,
             r.multipliers,
             r.effects in wider,
+            r.remainder_law,
         ]
         for r in found
     ]
