@@ -77,8 +77,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
     study = Study(read_case(folder, "library", {}), load_thresholds())
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found = with_pairs(study, found, PAIRS)
-    times = study.thresholds["widening"]["times"]
-    wider = surely_wider(study.cells, found, times, study.generator(16))
+    wider = surely_wider(study, found)
     rows = [
         [
             list(r.effects),

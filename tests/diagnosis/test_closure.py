@@ -58,5 +58,11 @@ def test_only_what_widens_the_gap_at_nearly_all_conditions_is_surely_wider():
         result("narrower", np.full(CONDITIONS, 1.0)), result("one_bad", one_bad),
         result("wider", np.full(CONDITIONS, 2.5)), base,
     ]  # fmt: skip
-    assert surely_wider(CELLS, tried, 1.0, np.random.default_rng(2)) == {("wider",)}
-    assert surely_wider(CELLS, tried, 2.0, np.random.default_rng(2)) == set()
+
+    def found(times):
+        thresholds = {"widening": {"times": times}}
+        study = SimpleNamespace(cells=CELLS, thresholds=thresholds, generator=np.random.default_rng)
+        return surely_wider(study, tried)
+
+    assert found(1.0) == {("wider",)}
+    assert found(2.0) == set()

@@ -21,8 +21,8 @@ CANDIDATES = ("load_cell_dynamics", "series_compliance", "trigger_latency", "slo
 
 
 def test_a_second_effect_is_found_that_shows_only_beside_the_first():
-    """A model without the load cell's swing, a bench with that and a soft train: a delay alone does as well as the
-    swing, and beside the delay the soft train promises more than the swing."""
+    """A model without the load cell's swing, a bench with that and a soft train: a delay alone comes near the
+    best single, and beside the delay the soft train promises more than the swing."""
     given = inputs(("series_compliance",), {"series_compliance.compliance": 6e-5})
     study = Study(replace(given, effects=KNOWN, candidates=CANDIDATES), load_thresholds(), seed=3)
     singles = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]

@@ -63,8 +63,7 @@ def diagnose_case(
 def _without(study: Study, found: Sequence[CandidateResult]) -> dict[str, Any]:
     """Verdicts with each candidate taken out of the library in turn; the other fits stay as they are."""
     out = {}
-    times = study.thresholds["widening"]["times"]
-    wider = surely_wider(study.cells, found, times, study.generator(16))
+    wider = surely_wider(study, found)
     for name in study.candidates:
         kept = [result for result in found if name not in result.effects]
         weights = probabilities(kept, study.thresholds, wider)

@@ -9,6 +9,7 @@ import numpy as np
 
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.result import CandidateResult
+from eaclutch.diagnosis.study import Study
 from eaclutch.records import FloatArray
 
 BOOTSTRAPS = 1000
@@ -57,11 +58,11 @@ def _share(closed: FloatArray, left: FloatArray, real: np.ndarray, otherwise: fl
     return np.where(real, share, otherwise)
 
 
-def surely_wider(
-    cells: Cells, results: Sequence[CandidateResult], times: float, rng: np.random.Generator
-) -> frozenset[tuple[str, ...]]:
-    """Sets of effects that leave over ``times`` the base model's gap on conditions left out, in 95 % of their draws."""
-    counts, index = _condition_draws(cells, rng)
+def surely_wider(study: Study, results: Sequence[CandidateResult]) -> frozenset[tuple[str, ...]]:
+    """Sets of effects that leave so many times (``widening``) the base model's gap on conditions left out, in 95 % of
+    their draws."""
+    cells, times = study.cells, study.thresholds["widening"]["times"]
+    counts, index = _condition_draws(cells, study.generator(16))
     before, found = _ratios(cells, next(r for r in results if not r.effects)), set()
     for result in results:
         closed = counts @ np.bincount(index, weights=times * before - _ratios(cells, result))

@@ -31,8 +31,7 @@ def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]
     strict = study.kernels.total(tolerance=0.0, session=study.session_spread, scatter=False)
     strict += np.diag(study.repeat_variance - study.kernels.noise_variance)
     null = simulate_null(linearised, strict, study.generator(11), CAMPAIGNS)
-    times = study.thresholds["widening"]["times"]
-    wider = surely_wider(study.cells, results, times, study.generator(16))
+    wider = surely_wider(study, results)
     weights = probabilities(results, study.thresholds, wider)
     notes = caveats(study)
     verdict = decide(weights, results, study.thresholds, notes)
