@@ -6,18 +6,15 @@ makes simulated campaigns (the open namespace of ``eaclutch.blind``: no sealed c
 hypothesis on each, and fits temperature, prior odds and the cost of a remainder by the mean log score. Prints what the
 fitted numbers and the present ones make of the set, and what the right name gained at each size: what
 config/blind_limits.json is set by. ``--forecast`` also writes what the design of the set's first campaign without an
-effect could tell apart (confusion.json, for ``blind.forecast``). ``--none 150`` makes so many campaigns without an
-effect instead and says how many get a name. Each case is kept as soon as it is done.
+effect could tell apart (confusion.json, for ``blind.forecast``). Each case is kept as soon as it is done.
 """
 
 from __future__ import annotations
 
 import argparse
 import os
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from multiprocessing import Pool
 from pathlib import Path
 from typing import Any
 
@@ -28,72 +25,21 @@ import numpy as np
 from measurement import record
 from scipy.optimize import minimize
 from scipy.special import expit, logit, softmax
-from scipy.stats import binomtest
+from weighed import rows_wider, weigh_all
 
 from eaclutch.blind import plan
-from eaclutch.blind.generate import generate_case, write_tables
 from eaclutch.cli.blind_methods import read_case
-from eaclutch.diagnosis.closure import surely_wider
 from eaclutch.diagnosis.forecast import Forecast
-from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import decide
 from eaclutch.diagnosis.weigh import probabilities
-from eaclutch.files import read_json, write_json
+from eaclutch.files import write_json
 
 SIZES = (0.6, 3.0)  # of the magnitudes in the literature
 COUNTS = {"none": 24, "unknown": 26, "each_single": 4, "pairs": 8}
 WEIGHTS = {"none": 2.0, "unknown": 1.0, "single": 1.0, "pair": 0.5}  # of a kind of case in the fit
-PAIRS = 6
 FLOOR = 0.01  # a probability below it costs no more: one lost case must not rule the fit
-
-
-@dataclass(frozen=True)
-class Weighed:
-    """A hypothesis on one campaign: what ``probabilities`` and ``decide`` look at."""
-
-    effects: tuple[str, ...]
-    log_evidence: float
-    log_evidence_open: float
-    log_evidence_without: float
-    log_evidence_without_open: float
-    gap_left_out: float
-    adequate_p: float
-    multipliers: tuple[float, float]
-    wider: bool
-    remainder_law: tuple[str, ...]
-
-
-def weigh_case(job: tuple[plan.Entry, str]) -> None:
-    """Make one case and weigh every hypothesis on it."""
-    entry, work = job
-    target = Path(work) / "weighed" / f"{entry.case}.json"
-    if target.is_file():
-        return
-    tables, answer = generate_case(entry)
-    folder = Path(work) / "cases" / entry.case
-    write_tables(tables, folder)
-    study = Study(read_case(folder, "library", {}), load_thresholds())
-    found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
-    found = with_pairs(study, found, PAIRS)
-    wider = surely_wider(study, found)
-    rows = [
-        [
-            list(r.effects),
-            r.log_evidence,
-            r.log_evidence_open,
-            r.log_evidence_without,
-            r.log_evidence_without_open,
-            r.gap_left_out,
-            r.adequate_p,
-            r.multipliers,
-            r.effects in wider,
-            r.remainder_law,
-        ]
-        for r in found
-    ]
-    write_json(target, {"answer": answer, "weighed": rows})
 
 
 def adjusted(thresholds: Mapping[str, Any], x: np.ndarray) -> dict[str, Any]:
@@ -117,17 +63,13 @@ def start(thresholds: Mapping[str, Any]) -> np.ndarray:
                      np.log(thresholds["remainder_cost"])])  # fmt: skip
 
 
-def _wider(rows: Sequence[Weighed]) -> set[tuple[str, ...]]:
-    return {row.effects for row in rows if row.wider}
-
-
 def loss(
     x: np.ndarray, thresholds: Mapping[str, Any], cases: Sequence[tuple[Mapping[str, Any], Any]]
 ) -> float:
     """Mean weighted log score, the lower the better."""
     total = 0.0
     for answer, rows in cases:
-        found = probabilities(rows, adjusted(thresholds, x), _wider(rows))
+        found = probabilities(rows, adjusted(thresholds, x), rows_wider(rows))
         weights = {frozenset(k): v for k, v in found.items()}
         total -= WEIGHTS[answer["kind"]] * np.log(max(weights.get(frozenset(answer["verdict"]), 0.0), FLOOR))
     return total / len(cases)
@@ -137,7 +79,7 @@ def outcome(thresholds: Mapping[str, Any], cases: Sequence[tuple[Mapping[str, An
     """Shares by kind of case: right verdict, named, probability on the truth, truth in the set, its size."""
     rows: dict[str, list[list[float]]] = defaultdict(list)
     for answer, found in cases:
-        weights = probabilities(found, thresholds, _wider(found))
+        weights = probabilities(found, thresholds, rows_wider(found))
         verdict = decide(weights, found, thresholds)
         truth = frozenset(answer["verdict"])
         offered = [frozenset(verdict.effects), *map(frozenset, verdict.alternatives)]
@@ -165,51 +107,18 @@ def gains(cases: Sequence[tuple[Mapping[str, Any], Any]]) -> dict[str, list[tupl
     return {effect: sorted(pairs) for effect, pairs in sorted(found.items())}
 
 
-def false_alarms(
-    thresholds: Mapping[str, Any], cases: Sequence[tuple[Mapping[str, Any], Any]]
-) -> dict[str, Any]:
-    """Campaigns without an effect: verdicts by count, and the share that gets a name with its 90 % interval."""
-    said = Counter(
-        " and ".join(decide(probabilities(found, thresholds, _wider(found)), found, thresholds).effects)
-        or "none"
-        for _, found in cases
-    )
-    named = sum(count for verdict, count in said.items() if verdict not in ("none", "unknown"))
-    low, high = binomtest(named, len(cases)).proportion_ci(0.9)
-    return {"cases": len(cases), "said": dict(said), "named": named, "interval": [float(low), float(high)]}
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--forecast", type=Path, help="confusion.json to write")
-    parser.add_argument("--none", type=int, help="so many campaigns without an effect, and nothing else")
     parser.add_argument("--record", action="store_true")
     chosen = parser.parse_args()
     plan.SIZE_RANGE = SIZES
-    counts = {"none": chosen.none, "unknown": 0, "pairs": 0} if chosen.none else COUNTS
     command = f"python benchmarks/development.py --seed {chosen.seed} --work development"
-    entries = plan.make_plan("dev", chosen.seed, **counts)
-    with Pool(chosen.jobs) as pool:
-        for done, _ in enumerate(
-            pool.imap_unordered(weigh_case, [(e, str(chosen.work)) for e in entries]), 1
-        ):
-            print(f"{done} of {len(entries)}", flush=True)
-    cases = []
-    for entry in entries:
-        document = read_json(chosen.work / "weighed" / f"{entry.case}.json")
-        cases.append(
-            (document["answer"], [Weighed(tuple(e), *numbers) for e, *numbers in document["weighed"]])
-        )
+    cases = weigh_all(plan.make_plan("dev", chosen.seed, **COUNTS), chosen.work, chosen.jobs)
     present = load_thresholds()
-    if chosen.none:
-        result = false_alarms(present, cases)
-        print(result)
-        if chosen.record:
-            record("no_effect", f"{command} --none {chosen.none}", result)
-        return
     if chosen.forecast:
         plain = next(answer["case"] for answer, _ in cases if answer["kind"] == "none")
         study = Study(read_case(chosen.work / "cases" / plain, "library", {}), present)

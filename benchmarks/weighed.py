@@ -1,0 +1,89 @@
+"""Every hypothesis weighed on simulated campaigns of the open namespace: what the other scripts here count and fit on.
+
+No sealed case is ever among them. Each case is kept in ``<work>/weighed`` as soon as it is done.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from multiprocessing import Pool
+from pathlib import Path
+from typing import Any
+
+from eaclutch.blind import plan
+from eaclutch.blind.generate import generate_case, write_tables
+from eaclutch.cli.blind_methods import read_case
+from eaclutch.diagnosis.closure import surely_wider
+from eaclutch.diagnosis.pairs import with_pairs
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
+from eaclutch.files import read_json, write_json
+
+PAIRS = 6
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A hypothesis on one campaign: what ``probabilities`` and ``decide`` look at."""
+
+    effects: tuple[str, ...]
+    log_evidence: float
+    log_evidence_open: float
+    log_evidence_without: float
+    log_evidence_without_open: float
+    gap_left_out: float
+    adequate_p: float
+    multipliers: tuple[float, float]
+    wider: bool
+    remainder_law: tuple[str, ...]
+
+
+def weigh_case(job: tuple[plan.Entry, str]) -> None:
+    """Make one case and weigh every hypothesis on it."""
+    entry, work = job
+    target = Path(work) / "weighed" / f"{entry.case}.json"
+    if target.is_file():
+        return
+    tables, answer = generate_case(entry)
+    folder = Path(work) / "cases" / entry.case
+    write_tables(tables, folder)
+    study = Study(read_case(folder, "library", {}), load_thresholds())
+    found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
+    found = with_pairs(study, found, PAIRS)
+    wider = surely_wider(study, found)
+    rows = [
+        [
+            list(r.effects),
+            r.log_evidence,
+            r.log_evidence_open,
+            r.log_evidence_without,
+            r.log_evidence_without_open,
+            r.gap_left_out,
+            r.adequate_p,
+            r.multipliers,
+            r.effects in wider,
+            r.remainder_law,
+        ]
+        for r in found
+    ]
+    write_json(target, {"answer": answer, "weighed": rows})
+
+
+def weigh_all(entries: Sequence[plan.Entry], work: Path, jobs: int) -> list[tuple[Any, list[Weighed]]]:
+    """(answer, hypotheses) of every case, made and weighed where that is not done yet."""
+    with Pool(jobs) as pool:
+        for done, _ in enumerate(pool.imap_unordered(weigh_case, [(e, str(work)) for e in entries]), 1):
+            print(f"{done} of {len(entries)}", flush=True)
+    cases = []
+    for entry in entries:
+        document = read_json(work / "weighed" / f"{entry.case}.json")
+        cases.append(
+            (document["answer"], [Weighed(tuple(e), *numbers) for e, *numbers in document["weighed"]])
+        )
+    return cases
+
+
+def rows_wider(rows: Sequence[Weighed]) -> set[tuple[str, ...]]:
+    """The hypotheses that surely widen the gap left out."""
+    return {row.effects for row in rows if row.wider}
