@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_wider, total_gap
+from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.gate import simulate_null
 from eaclutch.diagnosis.gaussian import leave_out
 from eaclutch.diagnosis.localise import localise
@@ -182,4 +183,6 @@ def caveats(study: Study) -> list[str]:
         notes.append("one session only: session drift cannot be told")
     if all(dof == 0 for dof in study.dof.values()):
         notes.append("no repeats: no noise floor, the extractor's own uncertainty stands in")
+    if study.swings and OSCILLATOR not in study.inputs.effects:
+        notes.append(f"{study.swings} runs swing freely after switch-off, which the model cannot")
     return notes

@@ -18,6 +18,7 @@ from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
 from eaclutch.diagnosis.fit import HypothesisFit, fit_hypothesis, plain_fit_at
 from eaclutch.diagnosis.forward import Forward
+from eaclutch.diagnosis.free_swing import charged, count_swings
 from eaclutch.diagnosis.gaussian import Linearised, log_normal, posterior_mean
 from eaclutch.diagnosis.mode import find_mode
 from eaclutch.diagnosis.nameless import Nameless, nameless_fit
@@ -127,6 +128,7 @@ class Study:
         self.cells: Cells = cells_of(self.data, variances)
         self.repeat_variance = repeat_variance(self.data, variances)
         self.preload = estimated_preload(self.table, self.conditions)
+        self.swings = count_swings(self.table)
 
     def model(self, effects: Sequence[str] = ()) -> ClutchModel:
         """The campaign's model with ``effects`` on top, in the library's order."""
@@ -262,10 +264,11 @@ class Study:
         """Fit and score one hypothesis; ``seeds``: parameters to start from as well; ``beyond``, ``afresh``: as
         for fit."""
         fitted = self.fit(effects, seeds, beyond, afresh=afresh)
-        return summarise(
+        result = summarise(
             fitted, self.forward(effects), self.data, self.cells, self._open(fitted), self._without(fitted),
             self.readings, self.generator(7),
         )  # fmt: skip
+        return charged(result, self.inputs.effects, self.swings, self.thresholds)
 
     def _without(self, fitted: HypothesisFit) -> tuple[float, float]:
         """Evidence of the base model, and with a nameless remainder, fitted once more from the calibrated parameters

@@ -38,7 +38,8 @@ def probabilities(
     effect than like them. Lookalikes, each less probable beforehand than an effect of the library
     (``lookalike_share``), are written down, and count in full; what they win is ``unknown``'s. And a name whose fit
     fails the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence only says who is best.
-    So does one that surely widens the gap on conditions left out by far (``wider``; ``widening``).
+    So does one that surely widens the gap on conditions left out by far (``wider``; ``widening``). The odds of
+    ``unknown`` against all that may be named are corrected last (``unknown_odds``); no effect keeps its probability.
     """
     score, nameless, lookalikes = _scores(results, thresholds)
     best = max((x for effects, x in score.items() if effects), default=-np.inf)
@@ -56,7 +57,17 @@ def probabilities(
         kept *= 1.0 - (float(thresholds["widening"]["share"]) if result.effects in wider else 0.0)
         found[UNKNOWN] += (1.0 - kept) * found[result.effects]
         found[result.effects] *= kept
-    return found
+    return _corrected(found, float(thresholds["unknown_odds"]))
+
+
+def _corrected(found: dict[tuple[str, ...], float], odds: float) -> dict[tuple[str, ...], float]:
+    """Probabilities with the odds of ``unknown`` against the named sets multiplied by ``odds``."""
+    named = 1.0 - found[NONE] - found[UNKNOWN]
+    if not named + found[UNKNOWN] > 0.0:
+        return found
+    scale = (named + found[UNKNOWN]) / (named + odds * found[UNKNOWN])
+    kept = {effects: weight * scale for effects, weight in found.items()}
+    return kept | {NONE: found[NONE], UNKNOWN: odds * kept[UNKNOWN]}
 
 
 def unknown_as(results: Sequence[CandidateResult], thresholds: Mapping[str, Any]) -> str:
