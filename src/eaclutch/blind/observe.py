@@ -22,7 +22,7 @@ def runs_table(case: Case) -> pd.DataFrame:
     noise = generator(case.entry.namespace, case.entry.seed, "noise")
     rows = []
     for i, settings in enumerate(case.design.settings):
-        values = _read(case, i, noise)
+        values, duration = _read(case, i, noise)
         before = values["friction_before_n"][0]
         preload = _preload(before, settings.width, float(case.design.thickness[i]))
         width, thickness = settings.width * 1e3, float(case.design.thickness[i]) * 1e3
@@ -45,7 +45,7 @@ def runs_table(case: Case) -> pd.DataFrame:
             "usable": True,
             "flags": "" if zero_is_known(case, i) else "no_zero",
             "reasons": ";".join(f"{name}:unreadable" for name in OBSERVABLES if np.isnan(values[name][0])),
-            "drive_duration_s": float(case.runs.drive_time[i]),
+            "drive_duration_s": duration,
             "dwell_s": float(case.runs.dwell[i]),
             "run_order": int(case.design.order[i]),
         }
@@ -53,7 +53,8 @@ def runs_table(case: Case) -> pd.DataFrame:
     return pd.DataFrame(rows).sort_values("run", ignore_index=True)
 
 
-def _read(case: Case, i: int, rng: np.random.Generator) -> dict[str, tuple[float, float]]:
+def _read(case: Case, i: int, rng: np.random.Generator) -> tuple[dict[str, tuple[float, float]], float]:
+    """Observables of run ``i``, and how long its log shows the voltage [s], each end between two samples."""
     runs = case.runs
     on = VOLTAGE_ON + rng.uniform(0, SAMPLE_STEP)
     off = on + float(runs.drive_time[i])
@@ -66,7 +67,7 @@ def _read(case: Case, i: int, rng: np.random.Generator) -> dict[str, tuple[float
     edge = after - SAMPLE_STEP / 2
     zero_error = rng.normal(0, ZERO_SD)
     known = zero_is_known(case, i)
-    return read_run(
+    found = read_run(
         time,
         logged,
         first,
@@ -75,6 +76,7 @@ def _read(case: Case, i: int, rng: np.random.Generator) -> dict[str, tuple[float
         disturbance.zero + zero_error if known else 0.0,
         ZERO_SD if known else 0.0,
     )
+    return found, edge - (first - SAMPLE_STEP / 2)
 
 
 def zero_is_known(case: Case, i: int) -> bool:

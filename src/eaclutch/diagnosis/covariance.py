@@ -22,7 +22,9 @@ class Kernels:
     """Correlation matrices (entries, entries) of a data vector, worked out once a campaign."""
 
     noise_variance: FloatArray  # (entries,) of the repeats' mean
-    shared_noise: FloatArray  # what repeats have in common: offsets of a bench's trials
+    shared_noise: (
+        FloatArray  # what repeats have in common: offsets of a bench's trials, where voltage off really was
+    )
     scatter_variance: (
         FloatArray  # (entries,) what the model misses of one (condition, session) apart from others
     )
@@ -65,6 +67,9 @@ def kernels(data: DataVector, thresholds: Mapping[str, Any]) -> Kernels:
     tolerance_sd = np.array([thresholds["tolerance"][b] for b in data.block])
     shape = _smooth(data, shares)
     across = np.where(same_family, np.where(same_channel, 1.0, rho), 0.0)
+    same_frequency = data.frequency[:, None] == data.frequency[None, :]
+    offsets = np.outer(data.offset_sd, data.offset_sd) * same_offset
+    edges = np.outer(data.edge_sd, data.edge_sd) * same_frequency
     scatter = np.array([thresholds["scatter"].get(b, 0.0) for b in data.block])
     tolerance = np.outer(tolerance_sd, tolerance_sd) * between * same_family * shape
     for term in thresholds["shared"]:
@@ -72,7 +77,7 @@ def kernels(data: DataVector, thresholds: Mapping[str, Any]) -> Kernels:
         tolerance = tolerance + np.outer(together, together)
     return Kernels(
         data.noise_sd**2,
-        np.outer(data.offset_sd, data.offset_sd) * same_offset,
+        offsets + edges,
         scatter**2,
         np.outer(session_sd, session_sd) * between * same_offset,
         tolerance,

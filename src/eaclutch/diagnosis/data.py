@@ -24,9 +24,11 @@ from eaclutch.diagnosis.repeatability import (
     session_share,
 )
 from eaclutch.diagnosis.screening import reaches, scaled_column, slips_at_switch_off, stray, zero_unknown
+from eaclutch.diagnosis.switch_timing import shared_edge_sd
 from eaclutch.records import FloatArray, RunConditions
 
 IntArray = np.ndarray
+TIMED_BLOCK = "release"  # its times count from voltage off
 SWING_BLOCKS = ("release", "ringdown", "ringdown_damping", "after")  # what a run shows after switch-off
 
 
@@ -53,6 +55,8 @@ class DataVector:
     session: np.ndarray
     offset: np.ndarray
     offset_sd: FloatArray
+    edge_sd: FloatArray  # of voltage off, shared with other entries of the drive frequency (diagnosis.switch_timing)
+    frequency: FloatArray  # (entries,) [Hz], 0 for bench entries
     family: np.ndarray
     features: FloatArray
     average: sparse.csr_matrix
@@ -156,6 +160,11 @@ def _assemble(
         n, settings.shape[1]
     )
     first = [rows[0] for _, rows, *_ in entries]
+    shared = shared_edge_sd(conditions)
+    edge = [
+        shared[i] / channels[e[0]].unit_scale if channels[e[0]].block == TIMED_BLOCK else 0.0
+        for i, e in zip(first, entries, strict=True)
+    ]
     wide = max(features.shape[1], bench.features.shape[1])
 
     def join(runs: list, others: np.ndarray) -> np.ndarray:
@@ -174,6 +183,8 @@ def _assemble(
         join([conditions.session[i] for i in first], empty),
         join([conditions.session[i] for i in first], bench.offset),
         np.concatenate([np.zeros(n), bench.offset_sd]),
+        np.concatenate([edge, np.zeros(len(bench.values))]),
+        np.concatenate([conditions.frequency[first], np.zeros(len(bench.values))]),
         join(["run"] * n, bench.block),
         np.concatenate([_widen(features, wide), _widen(bench.features, wide)]),
         average.tocsr(),

@@ -63,10 +63,13 @@ def simulate_table(
     preloads = np.exp(noise.preload_scatter_run * rng.standard_normal(len(plan.runs)))
     conditions = conditions_of(plan, bench, values, preloads)
     found, stated, truth = observe(model, conditions, values, noise, rng)
+    # as many samples as a log holds of a drive that its sampling does not wait for
+    edges = EDGE_SD * np.sqrt(12.0) * rng.spawn(1)[0].uniform(-0.5, 0.5, len(conditions))
     rows: list[dict[str, Any]] = []
     for index, run in enumerate(conditions.run):
         row = empty_row(run)
-        row |= {"drive_duration_s": conditions.drive_duration[index], "dwell_s": conditions.dwell[index]}
+        duration = conditions.drive_duration[index] + edges[index]
+        row |= {"drive_duration_s": duration, "dwell_s": conditions.dwell[index]}
         for name in found:
             row[name], row[f"{name}_sd"] = float(found[name][index]), float(stated[name][index])
         settings = settings_of(plan.runs[index], plan.timing, bench)

@@ -1,0 +1,73 @@
+"""What runs of one drive frequency share of where, between two samples, the voltage fell."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.simulated import inputs
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.switch_timing import EDGE_SD, SAMPLE, expected_odd, shared_edge_sd
+
+TIMES = ("release_time_10_s", "release_time_50_s", "release_time_90_s")
+
+
+def of_durations(study, durations):
+    conditions = replace(study.conditions, drive_duration=np.asarray(durations, dtype=float))
+    return shared_edge_sd(conditions)
+
+
+@pytest.fixture(scope="module")
+def study():
+    return Study(inputs(), load_thresholds(), seed=3)
+
+
+def test_a_free_switch_splits_the_counts_as_expected():
+    rng = np.random.default_rng(2)
+    for runs in (2, 3, 6, 20):
+        share = rng.random(20_000)
+        longer = rng.binomial(runs, share)
+        assert np.minimum(longer, runs - longer).mean() == pytest.approx(expected_odd(runs), rel=0.03)
+    assert expected_odd(1) == 0.0
+
+
+def test_a_switch_in_step_with_the_sampling_shares_all_of_its_error(study):
+    frequency = study.conditions.frequency
+    assert of_durations(study, 3.0 + 0.5 / frequency) == pytest.approx(EDGE_SD)
+
+
+def test_a_free_switch_shares_little(study):
+    rng = np.random.default_rng(4)
+    frequency = study.conditions.frequency
+    shares = []
+    for _ in range(200):
+        true = (
+            3.0 + 0.5 / frequency + (rng.random(8) * SAMPLE)[np.unique(frequency, return_inverse=True)[1] % 8]
+        )
+        logged = np.floor(true / SAMPLE + rng.random(len(frequency))) * SAMPLE
+        shares.append(np.mean((of_durations(study, logged) / EDGE_SD) ** 2))
+    assert np.mean(shares) < 0.3
+
+
+def test_a_late_frequency_is_no_gap_where_the_switch_keeps_step():
+    """Release times of one frequency half a sample late: dear only where the switch runs free of the sampling."""
+    given = inputs()
+    in_step = given.table.assign(drive_duration_s=3.0 + 0.5 / given.table["frequency_hz"])
+    free = in_step.assign(
+        drive_duration_s=in_step["drive_duration_s"] + SAMPLE * (np.arange(len(in_step)) % 2)
+    )
+    late = given.table["frequency_hz"] == given.table["frequency_hz"].max()
+    assert 0 < np.count_nonzero(late) < len(late)
+
+    def lost(table):
+        moved = table.copy()
+        for name in TIMES:
+            moved.loc[late, name] += 50e-6
+        calm, shifted = (
+            Study(replace(given, table=t), load_thresholds(), seed=3).weigh(()).log_evidence
+            for t in (table, moved)
+        )
+        return calm - shifted
+
+    assert lost(free) > lost(in_step) + 2.0
