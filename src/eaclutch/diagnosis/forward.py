@@ -19,6 +19,7 @@ from eaclutch.records import FloatArray
 # A run that the model cannot follow (it pulls in, or never slips, while the bench measured a time) stands
 # this far off on the comparison scale: bad, finite, and the same for every hypothesis.
 UNPREDICTED = 0.5
+UNDAMPED = 1e-6  # damping ratio; a fit may go to the bound of no damping, which has no logarithm
 
 
 class Forward:
@@ -164,6 +165,6 @@ def _with_prior(parameter: Parameter, priors: Mapping[str, Sequence[float]]) -> 
 def _burst_logs(named: Mapping[str, FloatArray]) -> FloatArray:
     """log frequency [Hz] and log damping ratio of the bare load cell's free swing, (draws, 2)."""
     k, m, b = named["stiffness"], named["mass"], named["damping"]
-    ratio = b / (2.0 * np.sqrt(k * m))
+    ratio = np.maximum(b / (2.0 * np.sqrt(k * m)), UNDAMPED)
     damped = np.sqrt(np.maximum(k / m * (1.0 - ratio**2), 1e-12)) / (2.0 * np.pi)
     return np.column_stack([np.log(damped), np.log(ratio)])

@@ -2,9 +2,9 @@
 
 A log places voltage off in the middle of two samples, and it may have been anywhere between (``EDGE_SD``). Repeats
 average that out only where the switch runs free of the sampling. Where the drive lasts the same number of samples run
-after run, as on the published bench at most frequencies (17 of 18 runs at DC, all at 1 and 100 Hz), both may hang on one
-clock, and then a whole frequency is early or late together: 20 us between drive frequencies would look like a charge
-that slow drives leave behind.
+after run, as on the published bench at most frequencies (17 of 18 runs at DC, all at 1 and 100 Hz), both may hang on
+one clock, and then a whole frequency is early or late together: 20 us between drive frequencies would look like a
+charge that slow drives leave behind.
 """
 
 from __future__ import annotations

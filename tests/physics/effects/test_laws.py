@@ -18,8 +18,8 @@ CASES = {
         {"residual_fraction": 0.4, "corner_frequency": 50.0, "decay_time": 0.05},
         {"residual_fraction": [0.01904762, 0.39867110, 0.33333333, 0.01904762], "residual_decay_time": 0.05},
     ),
-    # of the preloads 0.2 and 0.5 N that the base model sees 0.327 / 0.827 press the strip: P = 0.0790810, 0.1977025 N;
-    # 0.5 N (P / 0.5 N)^(2/3) = 0.1462306, 0.2693590 N press the sides; 300 V, 150 V: 1 + 3, 1 + 3/4
+    # P + 0.5/0.327 x 0.5 N (P / 0.5 N)^(2/3) = 0.2 and 0.5 N: P = 0.0454465, 0.1529331 N; the sides are pressed by
+    # 0.5 N (P / 0.5 N)^(2/3) = 0.1010780, 0.2269818 N; 300 V, 150 V: 1 + 3, 1 + 3/4
     "edge_wrap": (
         {
             "friction_per_preload": 0.5,
@@ -28,9 +28,9 @@ CASES = {
             "drive_gain": 3.0,
         },
         {
-            "side_friction": [0.07311528, 0.07311528, 0.13467950, 0.07311528],
-            "side_friction_static": [0.08925762, 0.08925762, 0.16441394, 0.08925762],
-            "side_damping": [0.29246113, 0.29246113, 0.53871801, 0.29246113],
+            "side_friction": [0.05053901, 0.05053901, 0.11349088, 0.05053901],
+            "side_friction_static": [0.06169697, 0.06169697, 0.13854731, 0.06169697],
+            "side_damping": [0.20215603, 0.20215603, 0.45396353, 0.20215603],
             "side_drive_factor": [4.0, 4.0, 1.75, 1.0],
         },
     ),
@@ -244,6 +244,13 @@ def test_trapped_charge_is_a_low_pass_of_the_drive(fill):
     """Above one over the drive the filled share is 1 / (1 + f / f_c): half at the corner."""
     at_corner = fill("trapped_charge", residual_fraction=0.6, corner_frequency=10.0)
     np.testing.assert_allclose(np.asarray(at_corner.residual_fraction)[2], 0.3)
+
+
+def test_trapped_charge_of_the_electrodes_sign_weakens_the_drive(fill):
+    """A third of the field, half of which the driven film feels: 5/6 are left, and 2/5 of these outlive them."""
+    filled = fill("trapped_charge", residual_fraction=0.4, corner_frequency=50.0, screening=0.5)
+    np.testing.assert_allclose(np.asarray(filled.force_factor)[2], 25 / 36)
+    np.testing.assert_allclose(np.asarray(filled.residual_fraction)[2], 0.4)
 
 
 def test_sessions_beyond_the_last_offset_share_it(fill, inputs):

@@ -1,11 +1,11 @@
 """Edge wrap: the preload bends the compliant film round the substrate's edges, so that it rubs on the side
-walls too. The touching width of a bent film is that of a line or of a rounded foot under load: it grows as the preload
-to a power between 1/2 (Hertz's line) and 1, so the normal force there is c P_ref (P / P_ref)^n. While the voltage is
-on, the electrodes that face the walls pull as well, by their Maxwell stress, which grows as V^2. To this force the
+walls too. The touching width of a bent film is that of a line or of a rounded foot under load, which grows as the
+preload to a power between 1/2 (Hertz's line) and 1; a film that first has to be bent as far as the walls touches later,
+with a power above 1. So the normal force there is c P_ref (P / P_ref)^n. While the voltage is on, the electrodes that face the walls pull as well, by their Maxwell stress, which grows as V^2. To this force the
 friction is proportional that the walls add beside base and film (static and kinetic, in the film's ratio), and without
 the voltage a viscous damping of the sliding. Side friction is part of the friction before the voltage, from which the
-preload is known: F_before = (mu + c_f) F_pre + weights, with mu = mu_b + mu_d, so the preload is taken as
-mu / (mu + c_f) of what the base model makes of it."""
+preload is known: F_before = mu P + c_f P_ref (P / P_ref)^n + weights, with mu = mu_b + mu_d, so the preload solves
+P + (c_f / mu) P_ref (P / P_ref)^n = P_0, what the base model makes of it."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from eaclutch.records import FloatArray
 
 REFERENCE_PRELOAD = 0.5  # N
 REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
+STEPS = 8  # of Newton in log P; the equation is convex there and its slope lies between 1 and n
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
@@ -27,8 +28,9 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
     p = inputs.parameters
     coefficient = np.asarray(values["friction_per_preload"])
     sliding = p["base_kinetic"] + p["film_kinetic"]
-    preload = np.maximum(inputs.preload, 0.0) * sliding / (sliding + coefficient)
-    foot = REFERENCE_PRELOAD * (preload / REFERENCE_PRELOAD) ** np.asarray(values["preload_exponent"])
+    exponent = np.asarray(values["preload_exponent"])
+    preload = _pressed(inputs.preload, coefficient / sliding, exponent)
+    foot = REFERENCE_PRELOAD * (preload / REFERENCE_PRELOAD) ** exponent
     kinetic = coefficient * foot
     pull = np.asarray(values["drive_gain"]) * (inputs.conditions.voltage / REFERENCE_VOLTAGE) ** 2
     return sockets.with_(
@@ -37,6 +39,18 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
         side_drive_factor=sockets.side_drive_factor * (1.0 + pull),
         side_damping=sockets.side_damping + values["damping_per_preload"] * foot,
     )
+
+
+def _pressed(without: FloatArray, ratio: FloatArray, exponent: FloatArray) -> FloatArray:
+    """Preload [N] that solves P + ratio P_ref (P / P_ref)^n = ``without``; broadcasts."""
+    given = np.maximum(without, 0.0) / REFERENCE_PRELOAD
+    known = np.where(given > 0.0, given, 1.0)
+    y = np.log(known) + np.zeros(np.broadcast_shapes(np.shape(known), np.shape(ratio), np.shape(exponent)))
+    for _ in range(STEPS):
+        flat, side = np.exp(y), ratio * np.exp(exponent * y)
+        y = y - (np.log(flat + side) - np.log(known)) * (flat + side) / (flat + exponent * side)
+    found: FloatArray = REFERENCE_PRELOAD * np.where(given > 0.0, np.exp(y), 0.0)
+    return found
 
 
 EFFECT = Effect(
@@ -67,9 +81,9 @@ EFFECT = Effect(
         Parameter(
             "preload_exponent",
             "1",
-            (0.4, 1.2),
-            0.8,
-            Prior("normal", 0.8, 0.2),
+            (0.4, 2.5),
+            1.0,
+            Prior("normal", 1.0, 0.35),
             description="the side wall's force grows as the preload to this power",
         ),
         Parameter(
@@ -92,7 +106,7 @@ EFFECT = Effect(
     draw=lambda rng: {
         "friction_per_preload": rng.uniform(0.05, 0.5),
         "damping_per_preload": rng.uniform(0.5, 6.0),
-        "preload_exponent": rng.uniform(0.6, 1.0),
+        "preload_exponent": rng.uniform(0.6, 1.6),
         "drive_gain": rng.uniform(0.0, 3.0),
     },
 )

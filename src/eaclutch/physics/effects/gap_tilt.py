@@ -1,6 +1,7 @@
 """Gap tilt: over a tilted overlap the mean gap varies linearly, which spreads the gaps by a uniform distribution
 of sd angle w_s / sqrt(12) for a tilt across the width and lift / sqrt(12) for one end lifted along the strip.
-It adds in quadrature to the roughness, in contact and force alike. The capacitance fixture, where the strip is pressed
+It adds in quadrature to the roughness, in contact and force alike. A strip that is free to turn levels under its preload:
+the tilt is 1 / (1 + l P) of what it is without. The capacitance fixture, where the strip is pressed
 on the film by itself, has an unknown share of it."""
 
 from __future__ import annotations
@@ -15,11 +16,12 @@ from eaclutch.records import FloatArray
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """gap_spread_sd = sqrt((angle w_s)^2 + lift^2) / sqrt(12), in quadrature with what is there."""
+    """gap_spread_sd = sqrt((angle w_s)^2 + lift^2) / sqrt(12) / (1 + l P), in quadrature with what is there."""
     across = values["angle"] * inputs.conditions.width
     spread = np.sqrt((across**2 + np.asarray(values["lift"]) ** 2) / 12.0)
+    level = 1.0 + np.asarray(values["levelling"]) * np.maximum(inputs.preload, 0.0)
     return sockets.with_(
-        gap_spread_sd=np.sqrt(np.asarray(sockets.gap_spread_sd) ** 2 + spread**2),
+        gap_spread_sd=np.hypot(sockets.gap_spread_sd, spread / level),
         fixture_gap_spread_sd=np.hypot(sockets.fixture_gap_spread_sd, values["fixture_share"] * spread),
     )
 
@@ -50,6 +52,14 @@ EFFECT = Effect(
             description="gap at one end of the strip against the other",
         ),
         Parameter(
+            "levelling",
+            "1/N",
+            (0.0, 20.0),
+            0.0,
+            Prior("halfnormal", 1.0),
+            description="by how much a newton of preload turns the strip level",
+        ),
+        Parameter(
             "fixture_share",
             "1",
             (0.0, 1.0),
@@ -67,6 +77,7 @@ EFFECT = Effect(
     draw=lambda rng: {
         "angle": rng.uniform(2e-4, 2e-3),
         "lift": rng.uniform(0.0, 8e-6),
+        "levelling": rng.uniform(0.0, 2.0),
         "fixture_share": rng.uniform(0.0, 1.0),
     },
 )

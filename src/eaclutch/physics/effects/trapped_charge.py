@@ -1,8 +1,10 @@
 """Trapped charge: while one polarity lasts, charge fills traps at the film's surface; what has been filled
 outlives the drive as a residual field. Saturable filling over the time t_h that one polarity lasts,
 q / q_max = t_h / (t_h + t_i), with t_h = 1 / (2 f) (never longer than the drive itself, which is the case of
-DC) and the injection time t_i = 1 / (2 f_c), gives residual_fraction = a / (1 + f / f_c) for f well above
-one over the drive. It decays as exp(-t / decay_time) after switch-off."""
+DC) and the injection time t_i = 1 / (2 f_c), gives a residual field r = a / (1 + f / f_c) of the drive's for f well
+above one over the drive. It decays as exp(-t / decay_time) after switch-off. Charge of the electrode's own sign
+(homocharge) takes the same field off the drive while it lasts: the film is pulled by 1 - s r of it, where s is 1 for a
+charge that sits there all the time and 0 for one that the force does not feel before switch-off."""
 
 from __future__ import annotations
 
@@ -14,15 +16,22 @@ from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
+LARGEST_RESIDUAL = 0.98
+
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """Residual field after switch-off: fraction a t_h / (t_h + t_i) of the drive's, and its decay."""
+    """Residual field r = a t_h / (t_h + t_i) of the drive's, its decay, and force_factor (1 - s r)^2 while driven."""
     conditions = inputs.conditions
     polarity_time = np.minimum(0.5 / conditions.frequency, conditions.drive_duration)
     injection_time = 0.5 / np.asarray(values["corner_frequency"])
     filled = polarity_time / (polarity_time + injection_time)
+    residual = values["residual_fraction"] * filled
+    driven = 1.0 - np.asarray(values["screening"]) * residual
     return sockets.with_(
-        residual_fraction=values["residual_fraction"] * filled, residual_decay_time=values["decay_time"]
+        force_factor=sockets.force_factor * driven**2,
+        # of the field that is released
+        residual_fraction=np.minimum(residual / driven, LARGEST_RESIDUAL),
+        residual_decay_time=values["decay_time"],
     )
 
 
@@ -36,7 +45,7 @@ EFFECT = Effect(
         Parameter(
             "residual_fraction",
             "1",
-            (0.0, 0.98),
+            (0.0, LARGEST_RESIDUAL),
             0.0,
             Prior("halfnormal", 0.5),
             neutral=0.0,
@@ -58,16 +67,26 @@ EFFECT = Effect(
             Prior("lognormal", 0.02, 2.0),
             description="decay of the residual field",
         ),
+        Parameter(
+            "screening",
+            "1",
+            (0.0, 1.0),
+            0.0,
+            Prior("halfnormal", 0.5),
+            description="share of the residual field that the charge takes off the drive while it lasts",
+        ),
     ),
     reference=(
         "Nakamura & Yamamoto, ROBOMECH J. 4 (2017) 18, doi:10.1186/s40648-017-0085-3 (interface charge under "
-        "DC); filling law derived here"
+        "DC); Dissado & Fothergill, Electrical Degradation and Breakdown in Polymers (1992), ch. 10 (homocharge); "
+        "filling law derived here"
     ),
-    validity="charge of one sign a half wave; the driven force itself is left as it is",
+    validity="charge of one sign a half wave, which weakens the drive from its start or not at all",
     apply=apply,
     draw=lambda rng: {
         "residual_fraction": rng.uniform(0.4, 0.9),
         "corner_frequency": float(np.exp(rng.uniform(np.log(5.0), np.log(300.0)))),
         "decay_time": float(np.exp(rng.uniform(np.log(1e-3), np.log(1.0)))),
+        "screening": float(rng.uniform(0.0, 0.6)),
     },
 )
