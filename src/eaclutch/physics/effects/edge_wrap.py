@@ -1,10 +1,11 @@
 """Edge wrap: the preload bends the compliant film round the substrate's edges, so that it rubs on the side
 walls too. The touching width of a bent film is that of a line or of a rounded foot under load, which grows as the
-preload to a power between 1/2 (Hertz's line) and 1; a film that first has to be bent as far as the walls touches later,
-with a power above 1. So the normal force there is c P_ref (P / P_ref)^n. While the voltage is on, the electrodes that face the walls pull as well, by their Maxwell stress, which grows as V^2. To this force the
-friction is proportional that the walls add beside base and film (static and kinetic, in the film's ratio), and without
-the voltage a viscous damping of the sliding. Side friction is part of the friction before the voltage, from which the
-preload is known: F_before = mu P + c_f P_ref (P / P_ref)^n + weights, with mu = mu_b + mu_d, so the preload solves
+preload to a power between 1/2 (Hertz's line) and 1; a film that first has to be bent as far as the walls touches
+later, with a power above 1. So the normal force there is c P_ref (P / P_ref)^n. While the voltage is on, the electrodes
+that face the walls pull as well, by their Maxwell stress, which grows as V^2. To this force the friction is
+proportional that the walls add beside base and film (static and kinetic, in the film's ratio), and without the voltage
+a viscous damping of the sliding. Side friction is part of the friction before the voltage, from which the preload is
+known: F_before = mu P + c_f P_ref (P / P_ref)^n + weights, with mu = mu_b + mu_d, so the preload solves
 P + (c_f / mu) P_ref (P / P_ref)^n = P_0, what the base model makes of it."""
 
 from __future__ import annotations

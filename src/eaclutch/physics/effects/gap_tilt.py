@@ -1,8 +1,8 @@
 """Gap tilt: over a tilted overlap the mean gap varies linearly, which spreads the gaps by a uniform distribution
 of sd angle w_s / sqrt(12) for a tilt across the width and lift / sqrt(12) for one end lifted along the strip.
-It adds in quadrature to the roughness, in contact and force alike. A strip that is free to turn levels under its preload:
-the tilt is 1 / (1 + l P) of what it is without. The capacitance fixture, where the strip is pressed
-on the film by itself, has an unknown share of it."""
+It adds in quadrature to the roughness, in contact and force alike. A strip that is free to turn levels under its
+preload P: the tilt is 1 / (1 + l P) of what it is without. The capacitance fixture, where the strip is pressed on the
+film by itself, has an unknown share of it."""
 
 from __future__ import annotations
 
