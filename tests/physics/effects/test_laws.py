@@ -19,11 +19,12 @@ CASES = {
         {"residual_fraction": [0.01904762, 0.39867110, 0.33333333, 0.01904762], "residual_decay_time": 0.05},
     ),
     # P + 0.5/0.327 x 0.5 N (P / 0.5 N)^(2/3) = 0.2 and 0.5 N: P = 0.0454465, 0.1529331 N; the sides are pressed by
-    # 0.5 N (P / 0.5 N)^(2/3) = 0.1010780, 0.2269818 N; 300 V, 150 V: 1 + 3, 1 + 3/4
+    # 0.5 N (P / 0.5 N)^(2/3) = 0.1010780, 0.2269818 N; 300 V, 150 V: 1 + 3, 1 + 3/4; 1.5 x 0.0505390 / 0.077, ..
     "edge_wrap": (
         {
             "friction_per_preload": 0.5,
             "damping_per_preload": 2.0,
+            "squeeze_ratio": 1.5,
             "preload_exponent": 2 / 3,
             "drive_gain": 3.0,
         },
@@ -32,6 +33,7 @@ CASES = {
             "side_friction_static": [0.06169697, 0.06169697, 0.13854731, 0.06169697],
             "side_damping": [0.20215603, 0.20215603, 0.45396353, 0.20215603],
             "side_drive_factor": [4.0, 4.0, 1.75, 1.0],
+            "damping_factor": [0.98452617, 0.98452617, 2.21086203, 0.98452617],
         },
     ),
     # 150 V over 24 um: 6.25 MV/m; 75 V: 3.125 MV/m

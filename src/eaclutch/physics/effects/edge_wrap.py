@@ -3,9 +3,10 @@ walls too. The touching width of a bent film is that of a line or of a rounded f
 preload to a power between 1/2 (Hertz's line) and 1; a film that first has to be bent as far as the walls touches
 later, with a power above 1. So the normal force there is c P_ref (P / P_ref)^n. While the voltage is on, the electrodes
 that face the walls pull as well, by their Maxwell stress, which grows as V^2. To this force the friction is
-proportional that the walls add beside base and film (static and kinetic, in the film's ratio), and without the voltage
-a viscous damping of the sliding. Side friction is part of the friction before the voltage, from which the preload is
-known: F_before = mu P + c_f P_ref (P / P_ref)^n + weights, with mu = mu_b + mu_d, so the preload solves
+proportional that the walls add beside base and film (static and kinetic, in the film's ratio), without the voltage a
+viscous damping of the sliding, and a damping of the film's lift, for the air has to get round the edges, too. Side
+friction is part of the friction before the voltage, from which the preload is known:
+F_before = mu P + c_f P_ref (P / P_ref)^n + weights, with mu = mu_b + mu_d, so the preload solves
 P + (c_f / mu) P_ref (P / P_ref)^n = P_0, what the base model makes of it."""
 
 from __future__ import annotations
@@ -25,7 +26,8 @@ STEPS = 8  # of Newton in log P; the equation is convex there and its slope lies
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """Side friction c_f P_ref (P / P_ref)^n (kinetic; static in the film's ratio), (1 + g (V / V_0)^2) times that
-    with the voltage on, and side damping c_d P_ref (P / P_ref)^n."""
+    with the voltage on, side damping c_d P_ref (P / P_ref)^n, and damping_factor + d N / P_ref with the walls' normal
+    force N = c_f P_ref (P / P_ref)^n / mu_d."""
     p = inputs.parameters
     coefficient = np.asarray(values["friction_per_preload"])
     sliding = p["base_kinetic"] + p["film_kinetic"]
@@ -39,6 +41,8 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
         side_friction_static=sockets.side_friction_static + kinetic * p["film_static"] / p["film_kinetic"],
         side_drive_factor=sockets.side_drive_factor * (1.0 + pull),
         side_damping=sockets.side_damping + values["damping_per_preload"] * foot,
+        damping_factor=sockets.damping_factor
+        + values["squeeze_ratio"] * kinetic / (p["film_kinetic"] * REFERENCE_PRELOAD),
     )
 
 
@@ -80,6 +84,14 @@ EFFECT = Effect(
             description="viscous side-wall damping over preload, at 0.5 N",
         ),
         Parameter(
+            "squeeze_ratio",
+            "1",
+            (0.0, 20.0),
+            0.0,
+            Prior("halfnormal", 1.0),
+            description="damping of the film's lift over that of the air, where the walls are pressed with 0.5 N",
+        ),
+        Parameter(
             "preload_exponent",
             "1",
             (0.4, 2.5),
@@ -107,6 +119,7 @@ EFFECT = Effect(
     draw=lambda rng: {
         "friction_per_preload": rng.uniform(0.05, 0.5),
         "damping_per_preload": rng.uniform(0.5, 6.0),
+        "squeeze_ratio": rng.uniform(0.0, 1.5),
         "preload_exponent": rng.uniform(0.6, 1.6),
         "drive_gain": rng.uniform(0.0, 3.0),
     },
