@@ -33,7 +33,7 @@ def test_what_a_lookalike_wins_is_unknowns():
     assert behind[UNKNOWN] == pytest.approx(alone[UNKNOWN], abs=1e-6)
     # less probable beforehand than an effect of the library
     assert level[UNKNOWN] == pytest.approx(
-        THRESHOLDS["prior"]["lookalike_share"] * level["substrate_inertia",]
+        THRESHOLDS["unknown_odds"] * THRESHOLDS["prior"]["lookalike_share"] * level["substrate_inertia",]
         + alone[UNKNOWN] * level["substrate_inertia",] / alone["substrate_inertia",]
     )
     assert ahead[UNKNOWN] > 0.99

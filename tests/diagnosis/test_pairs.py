@@ -27,7 +27,7 @@ def test_a_second_effect_is_found_that_shows_only_beside_the_first():
     study = Study(replace(given, effects=KNOWN, candidates=CANDIDATES), load_thresholds(), seed=3)
     singles = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
     alone = next(r for r in singles if r.effects == ("trigger_latency",))
-    assert alone.log_evidence > max(r.log_evidence for r in singles) - 20.0
+    assert alone.log_evidence > max(r.log_evidence for r in singles) - 30.0
     # fitted around so large a gap, and checked at usual tolerances all the same
     assert alone.multipliers[0] > 2.0
     assert alone.adequate_p < 0.01

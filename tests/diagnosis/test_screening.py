@@ -133,6 +133,12 @@ def test_around_a_gap_that_none_closes_it_counts_how_far_one_narrows_it():
     assert odds[1] - odds[0] == pytest.approx(thresholds["narrowing_weight"] * np.log(1.8))
 
 
+def corrected(unknown):
+    """Probability of ``unknown`` once its odds against names are corrected, where nothing else is probable."""
+    odds = load_thresholds()["unknown_odds"] * unknown / (1.0 - unknown)
+    return odds / (1.0 + odds)
+
+
 def test_the_best_name_is_no_sure_name_where_its_fit_fails_the_absolute_check():
     thresholds = load_thresholds()
     base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
@@ -140,7 +146,7 @@ def test_the_best_name_is_no_sure_name_where_its_fit_fails_the_absolute_check():
     named.adequate_p = 0.005
     misfits = probabilities([base, named], thresholds)
     assert fits[("gap_tilt",)] == pytest.approx(1.0) and fits[("unknown",)] == pytest.approx(0.0, abs=1e-9)
-    assert misfits[("unknown",)] == pytest.approx(thresholds["misfit_share"])
+    assert misfits[("unknown",)] == pytest.approx(corrected(thresholds["misfit_share"]))
     assert sum(misfits.values()) == pytest.approx(1.0)
 
 
@@ -148,12 +154,12 @@ def test_a_name_that_surely_widens_the_gap_left_out_is_no_sure_name():
     thresholds = load_thresholds()
     base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
     found = probabilities([base, named], thresholds, {("gap_tilt",)})
-    assert found[("unknown",)] == pytest.approx(thresholds["widening"]["share"])
+    assert found[("unknown",)] == pytest.approx(corrected(thresholds["widening"]["share"]))
     assert sum(found.values()) == pytest.approx(1.0)
     named.adequate_p = 0.005
     also_misfits = probabilities([base, named], thresholds, {("gap_tilt",)})
     left = (1 - thresholds["widening"]["share"]) * (1 - thresholds["misfit_share"])
-    assert also_misfits[("gap_tilt",)] == pytest.approx(left)
+    assert also_misfits[("gap_tilt",)] == pytest.approx(1.0 - corrected(1.0 - left))
 
 
 def test_odds_against_what_nobody_wrote_down_count_in_part_and_order_nothing_anew():
@@ -162,12 +168,24 @@ def test_odds_against_what_nobody_wrote_down_count_in_part_and_order_nothing_ane
     base.log_evidence_without_open = -25.0
     believed = probabilities([base, named], dict(thresholds) | {"against_unknown": 1.0})
     found = probabilities([base, named], thresholds)
-    odds = [np.log(p[("unknown",)] / p[("gap_tilt",)]) for p in (believed, found)]
+    more = np.log(thresholds["unknown_odds"])
+    odds = [np.log(p[("unknown",)] / p[("gap_tilt",)]) - more for p in (believed, found)]
     assert odds[1] == pytest.approx(thresholds["against_unknown"] * odds[0]) and odds[1] < 0
     base.log_evidence_without_open = 25.0  # the other way round nothing changes
     believed = probabilities([base, named], dict(thresholds) | {"against_unknown": 1.0})
     assert probabilities([base, named], thresholds) == pytest.approx(believed)
     assert max(believed, key=believed.__getitem__) == ("unknown",)
+
+
+def test_the_odds_of_unknown_are_corrected_against_names_alone():
+    thresholds = load_thresholds()
+    results = [weighed(NONE, 0.0), weighed(("gap_tilt",), 6.0)]
+    plain = probabilities(results, dict(thresholds) | {"unknown_odds": 1.0})
+    found = probabilities(results, dict(thresholds) | {"unknown_odds": 3.0})
+    assert found[NONE] == pytest.approx(plain[NONE])
+    ratio = [p[("unknown",)] / p[("gap_tilt",)] for p in (plain, found)]
+    assert ratio[1] == pytest.approx(3.0 * ratio[0])
+    assert sum(found.values()) == pytest.approx(1.0)
 
 
 def test_an_effect_is_as_likely_beforehand_beside_few_others_as_beside_many():

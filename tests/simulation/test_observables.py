@@ -66,7 +66,9 @@ def test_the_table_is_what_a_diagnosis_reads(plan: Plan, bench: Bench):
     conditions = conditions_from_runs(made.runs, bench)
     assert len(conditions) == len(plan.runs)
     assert set(conditions.session) == {"2025-03-03", "2025-03-04"}
-    np.testing.assert_allclose(conditions.drive_duration, [0.2005, 0.25, 0.2, 0.2005], atol=1e-9)
+    np.testing.assert_allclose(
+        conditions.drive_duration, [0.2005, 0.25, 0.2, 0.2005], atol=4e-5
+    )  # to a sample
     assert len(made.readings.force) == 25 and len(made.spectra) == 1 and len(made.bursts.frequency) == 10
     assert made.runs["usable"].all()
 
