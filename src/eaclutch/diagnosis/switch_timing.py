@@ -1,10 +1,9 @@
 """Where between two samples the voltage fell: what runs of one drive frequency may share.
 
 A log places voltage off in the middle of two samples, and it may have been anywhere between (``EDGE_SD``). Repeats
-average that out only where the switch runs free of the sampling. Where the drive lasts the same number of samples run
-after run, as on the published bench at most frequencies (17 of 18 runs at DC, all at 1 and 100 Hz), both may hang on
-one clock, and then a whole frequency is early or late together: 20 us between drive frequencies would look like a
-charge that slow drives leave behind.
+average that out only where the switch runs free of the sampling. Where drives last the same number of samples run after
+run, both may hang on one clock, and then a whole frequency is early or late together: 20 us between drive frequencies
+look like a charge that slow drives leave behind.
 """
 
 from __future__ import annotations
@@ -15,7 +14,10 @@ from eaclutch.records import FloatArray, RunConditions
 
 SAMPLE = 1.0 / 12_800.0  # s
 EDGE_SD = SAMPLE / np.sqrt(12.0)
-POOLED = 3.0  # odd counts expected of a free switch, that the campaign's other frequencies weigh for each
+POOLED = (
+    10.0  # odd counts expected of a free switch, that the whole campaign weighs beside those of one frequency
+)
+FREE = 0.5  # of the odd counts expected, from which on a campaign's switch runs free: their number scatters by a third
 
 
 def shared_edge_sd(conditions: RunConditions) -> FloatArray:
@@ -32,7 +34,7 @@ def shared_edge_sd(conditions: RunConditions) -> FloatArray:
         odd[rows] = np.count_nonzero(np.abs(duration - np.median(duration)) > 0.5 * SAMPLE)
         expected[rows] = expected_odd(int(np.count_nonzero(rows)))
     first = np.unique(index, return_index=True)[1]
-    of_all = min(1.0, float(odd[first].sum()) / max(float(expected[first].sum()), 1e-9))
+    of_all = min(1.0, float(odd[first].sum()) / max(FREE * float(expected[first].sum()), 1e-9))
     free = (odd + POOLED * of_all) / (expected + POOLED)
     return EDGE_SD * np.sqrt(np.clip(1.0 - free, 0.0, 1.0))
 

@@ -56,7 +56,7 @@ EFFECT = Effect(
             "1/N",
             (0.0, 20.0),
             0.0,
-            Prior("halfnormal", 1.0),
+            Prior("halfnormal", 0.5),
             description="by how much a newton of preload turns the strip level",
         ),
         Parameter(
@@ -77,7 +77,7 @@ EFFECT = Effect(
     draw=lambda rng: {
         "angle": rng.uniform(2e-4, 2e-3),
         "lift": rng.uniform(0.0, 8e-6),
-        "levelling": rng.uniform(0.0, 2.0),
+        "levelling": rng.uniform(0.0, 1.0),
         "fixture_share": rng.uniform(0.0, 1.0),
     },
 )
