@@ -47,7 +47,7 @@ def test_a_free_switch_shares_little(study):
         )
         logged = np.floor(true / SAMPLE + rng.random(len(frequency))) * SAMPLE
         shares.append(np.mean((of_durations(study, logged) / EDGE_SD) ** 2))
-    assert np.mean(shares) < 0.15
+    assert np.mean(shares) < 0.2
 
 
 def test_a_late_frequency_is_no_gap_where_the_switch_keeps_step():
