@@ -1,6 +1,6 @@
 """How often an open campaign with one effect gets its name, and with what probability.
 
-    python benchmarks/singles.py --seed 20022 --work singles --each 1
+    python benchmarks/singles.py --seed 20023 --work singles --each 1
 
 Simulated campaigns of the open namespace of ``eaclutch.blind``, sizes at 2-4 times config/blind_limits.json: a look
 between two sealed sets at what a change of the method has cost. ``--record`` writes docs/measurements/singles.json.

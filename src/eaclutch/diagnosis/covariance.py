@@ -22,9 +22,7 @@ class Kernels:
     """Correlation matrices (entries, entries) of a data vector, worked out once a campaign."""
 
     noise_variance: FloatArray  # (entries,) of the repeats' mean
-    shared_noise: (
-        FloatArray  # what repeats have in common: offsets of a bench's trials, where voltage off really was
-    )
+    shared_noise: FloatArray  # what repeats have in common: offsets of a bench's trials, place of voltage off
     scatter_variance: (
         FloatArray  # (entries,) what the model misses of one (condition, session) apart from others
     )

@@ -11,32 +11,34 @@ from __future__ import annotations
 import numpy as np
 
 from eaclutch.records import FloatArray, RunConditions
+from eaclutch.simulation.observables import EDGE_SD
 
-SAMPLE = 1.0 / 12_800.0  # s
-EDGE_SD = SAMPLE / np.sqrt(12.0)
-POOLED = (
-    10.0  # odd counts expected of a free switch, that the whole campaign weighs beside those of one frequency
-)
-FREE = 0.5  # of the odd counts expected, from which on a campaign's switch runs free: their number scatters by a third
+SAMPLE = EDGE_SD * np.sqrt(12.0)  # s
+# Odd counts expected of a free switch, that the whole campaign weighs beside those of one frequency.
+POOLED = 10.0
+# Of the odd counts expected, from which on a campaign's switch runs free: their number scatters by a third.
+FREE = 0.5
 
 
 def shared_edge_sd(conditions: RunConditions) -> FloatArray:
     """Standard uncertainty [s] (runs,) of voltage off that the runs of a drive frequency share.
 
     From how many runs last another number of samples than most of their frequency do, over how many would if the switch
-    ran free: none: they share all of it.
+    ran free: none: they share it, and the mean of n runs is as uncertain as one. What each run has by itself already
+    counts among its noise, a share of 1 / n of the mean's variance; a frequency with one run shares nothing.
     """
-    odd, expected = np.zeros(len(conditions)), np.zeros(len(conditions))
+    odd, expected, runs = (np.zeros(len(conditions)) for _ in range(3))
     levels, index = np.unique(conditions.frequency, return_inverse=True)
     for level in range(len(levels)):
         rows = index == level
         duration = conditions.drive_duration[rows]
         odd[rows] = np.count_nonzero(np.abs(duration - np.median(duration)) > 0.5 * SAMPLE)
-        expected[rows] = expected_odd(int(np.count_nonzero(rows)))
+        runs[rows] = np.count_nonzero(rows)
+        expected[rows] = expected_odd(len(duration))
     first = np.unique(index, return_index=True)[1]
     of_all = min(1.0, float(odd[first].sum()) / max(FREE * float(expected[first].sum()), 1e-9))
     free = (odd + POOLED * of_all) / (expected + POOLED)
-    return EDGE_SD * np.sqrt(np.clip(1.0 - free, 0.0, 1.0))
+    return EDGE_SD * np.sqrt(np.clip(1.0 - free, 0.0, 1.0) * (1.0 - 1.0 / runs))
 
 
 def expected_odd(runs: int) -> float:

@@ -255,6 +255,17 @@ def test_trapped_charge_of_the_electrodes_sign_weakens_the_drive(fill):
     np.testing.assert_allclose(np.asarray(filled.residual_fraction)[2], 0.4)
 
 
+@pytest.mark.parametrize("exponent", [0.4, 1.0, 2.5])
+def test_side_friction_is_part_of_the_friction_that_tells_the_preload(fill, inputs, exponent):
+    """What presses the strip and what the walls rub add up to the friction before the voltage, at any power."""
+    filled = fill("edge_wrap", friction_per_preload=3.0, preload_exponent=exponent)
+    foot = np.asarray(filled.side_friction)[:3] / 3.0
+    preload = 0.5 * (foot / 0.5) ** (1.0 / exponent)
+    np.testing.assert_allclose(
+        0.327 * preload + 3.0 * foot, 0.327 * np.asarray(inputs.preload)[:3], rtol=1e-6
+    )
+
+
 def test_sessions_beyond_the_last_offset_share_it(fill, inputs):
     object.__setattr__(inputs, "session_index", np.array([0, 6, 7, 12]))
     filled = fill("session_drift", offset_6=0.1, offset_7=0.3, friction_share=0.0)
