@@ -19,7 +19,7 @@ from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.fit import scout_shifts
 from eaclutch.diagnosis.modulated import changes, gains
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.weigh import LIBRARY
+from eaclutch.diagnosis.weigh import LIBRARY, named_scale
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.records import FloatArray
 
@@ -112,7 +112,12 @@ class Forecast:
         for cloud in self.lookalikes:
             looks = self._cloud_evidence(a, cloud) / temperature + self.log_lookalike
             total[:, unknown] = np.logaddexp(total[:, unknown], looks)
-        return np.argmax(total, axis=1)
+        weights = np.exp(total - logsumexp(total, axis=1, keepdims=True))
+        odds = float(self.study.thresholds["unknown_odds"])
+        names, nameless = weights[:, :unknown].sum(axis=1), weights[:, unknown]
+        weights[:, : unknown + 1] *= named_scale(names, nameless + np.finfo(float).tiny, odds)[:, None]
+        weights[:, unknown] *= odds
+        return np.argmax(weights, axis=1)
 
     def _with_laws(self, smooth: FloatArray, plain: FloatArray, white: FloatArray) -> FloatArray:
         """Evidence (sets,) of a nameless term of either kind (``remainder``)."""

@@ -11,10 +11,12 @@ from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.special import logsumexp
 
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.physics.effects import CANDIDATES, LOOKALIKES
+from eaclutch.records import FloatArray
 
 NONE: tuple[str, ...] = ()
 UNKNOWN: tuple[str, ...] = ("unknown",)
@@ -65,9 +67,16 @@ def _corrected(found: dict[tuple[str, ...], float], odds: float) -> dict[tuple[s
     named = 1.0 - found[NONE] - found[UNKNOWN]
     if not named + found[UNKNOWN] > 0.0:
         return found
-    scale = (named + found[UNKNOWN]) / (named + odds * found[UNKNOWN])
+    scale = float(named_scale(named, found[UNKNOWN], odds))
     kept = {effects: weight * scale for effects, weight in found.items()}
     return kept | {NONE: found[NONE], UNKNOWN: odds * kept[UNKNOWN]}
+
+
+def named_scale(named: ArrayLike, unknown: ArrayLike, odds: float) -> FloatArray:
+    """Factor on the probability of each named set by which ``odds`` times those of ``unknown`` leave what
+    both have together, ``named + unknown`` (above 0), as it is."""
+    named, unknown = np.asarray(named), np.asarray(unknown)
+    return np.asarray((named + unknown) / (named + odds * unknown))
 
 
 def unknown_as(results: Sequence[CandidateResult], thresholds: Mapping[str, Any]) -> str:
