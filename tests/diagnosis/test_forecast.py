@@ -92,3 +92,20 @@ def test_what_a_lookalike_does_is_unknown_to_the_forecast_too(forecast, monkeypa
     assert np.mean(forecast.verdicts(data) == unknown) > 0.9
     monkeypatch.setattr(forecast, "lookalikes", [])
     assert np.mean(forecast.verdicts(data) == unknown) < 0.5
+
+
+def test_the_odds_of_unknown_count_in_the_forecast_as_in_a_verdict(forecast, monkeypatch):
+    """They take from names alone."""
+    study = forecast.study
+    shift = scout_shifts(study.forward(("trigger_latency",)), study.base)[0][0]
+    shift *= 6.0 / np.linalg.norm(forecast._whiten(shift[None]))
+    data = forecast.simulate(shift, 200, np.random.default_rng(9))
+    found = {}
+    for odds in (1.0, 50.0):
+        monkeypatch.setattr(study, "thresholds", study.thresholds | {"unknown_odds": odds})
+        found[odds] = np.array(forecast.names)[forecast.verdicts(data)]
+    changed = found[1.0] != found[50.0]
+    assert np.any(changed)
+    assert set(found[50.0][changed]) <= {"unknown", "none"}
+    assert set(found[1.0][changed]) & {"trigger_latency", "series_compliance"}
+    assert np.sum(found[50.0] == "unknown") > np.sum(found[1.0] == "unknown")
