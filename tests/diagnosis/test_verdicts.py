@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import BENCH, CANDIDATES, CONDITIONS, inputs
-from eaclutch.diagnosis.conclude import conclude, own_parameters
+from eaclutch.diagnosis.conclude import conclude, own_parameters, session_spread
+from eaclutch.diagnosis.next_experiment import _grid, _variance
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
@@ -182,3 +183,28 @@ def test_a_table_without_usable_runs_is_refused():
     table = given.table.assign(usable=False)
     with pytest.raises(InputError, match="no usable run"):
         Study(DiagnosisInputs(BENCH, table, None, (), None, BASE), load_thresholds())
+
+
+def test_what_an_effect_explains_between_sessions_is_no_noise():
+    drift = {"session_drift.offset_1": 0.4, "session_drift.friction_share": 0.0}
+    given = replace(inputs(("session_drift",), drift), candidates=("session_drift",))
+    study = Study(given, load_thresholds(), seed=3)
+    after = study.weigh(("session_drift",))
+    assert session_spread(study, study.weigh(())) == study.session_spread > 2.0
+    assert session_spread(study, after) <= 1.0
+
+
+def test_where_a_tip_comes_to_rest_tells_no_experiment_from_another():
+    study = Study(inputs(), load_thresholds(), seed=3)
+    blocks = {channel.name: channel.block for channel in study.data.channels}
+    for name, variance in zip(blocks, _variance(study), strict=True):
+        assert variance >= study.thresholds["scatter"].get(blocks[name], 0.0) ** 2
+
+
+def test_no_experiment_asks_for_more_voltage_than_the_campaign_had(plain):
+    assert max(entry["voltage_v"] for entry in plain["next_experiment"]) <= 300.0
+    low = [c | {"voltage_v": min(c["voltage_v"], 150)} for c in CONDITIONS]
+    assert np.unique(_grid(Study(inputs(conditions=low), load_thresholds(), seed=3)).voltage).tolist() == [
+        100.0,
+        150.0,
+    ]

@@ -9,7 +9,7 @@ import click
 
 from eaclutch.config import load_bench
 from eaclutch.config.slices import parse_settings
-from eaclutch.diagnosis.conclude import conclude, gap_summary
+from eaclutch.diagnosis.conclude import CAMPAIGNS, conclude, gap_summary
 from eaclutch.diagnosis.files import read_inputs
 from eaclutch.diagnosis.forecast import Forecast
 from eaclutch.diagnosis.pairs import with_pairs
@@ -87,8 +87,9 @@ def diagnosis(candidates: tuple[Path, ...], jobs: int, output: Path, settings: s
     """The verdict from all weighed CANDIDATES (diagnosis.json)."""
     study = study_of(settings=settings, **options)
     found = [study.weigh(())] + [CandidateResult.read(read_json(path)) for path in candidates]
-    pairs = parse_settings(settings).get("diagnosis", {}).get("pairs", 6)
-    write_json(output, conclude(study, with_pairs(study, found, pairs, jobs)))
+    chosen = parse_settings(settings).get("diagnosis", {})
+    weighed = with_pairs(study, found, chosen.get("pairs", 6), jobs)
+    write_json(output, conclude(study, weighed, chosen.get("null_campaigns", CAMPAIGNS)))
 
 
 @click.command("confusion")

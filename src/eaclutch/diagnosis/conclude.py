@@ -11,43 +11,46 @@ import numpy as np
 from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_wider, total_gap
 from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.gate import simulate_null
-from eaclutch.diagnosis.gaussian import leave_out
+from eaclutch.diagnosis.gaussian import leave_out, log_normal
 from eaclutch.diagnosis.localise import localise
 from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
-from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.study import SESSION_SPREADS, Study
 from eaclutch.diagnosis.verdict import Verdict, decide
 from eaclutch.diagnosis.weigh import NONE, UNKNOWN, by_effect, probabilities
 from eaclutch.records import FloatArray
 
-CAMPAIGNS = 400  # simulated, for every p-value and the noise floor
+CAMPAIGNS = 400  # simulated, for every p-value and the noise floor, unless the config says otherwise
 
 
-def conclude(study: Study, results: Sequence[CandidateResult]) -> dict[str, Any]:
-    """diagnosis.json (contract) from the base model's result and all others."""
+def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = CAMPAIGNS) -> dict[str, Any]:
+    """diagnosis.json (contract) from the base model's result and all others; ``campaigns``: how many are simulated for
+    p-values and noise floor."""
     base = next(r for r in results if r.effects == NONE)
     linearised = with_readings(study.base, study.readings)
     _, groups = condition_groups(study.data)
     left = leave_out(linearised, groups)
-    strict = study.kernels.total(tolerance=0.0, session=study.session_spread, scatter=False)
-    strict += np.diag(study.repeat_variance - study.kernels.noise_variance)
-    null = simulate_null(linearised, strict, study.generator(11), CAMPAIGNS)
     wider = surely_wider(study, results)
     weights = probabilities(results, study.thresholds, wider)
     notes = caveats(study)
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)
+    strict = study.kernels.total(tolerance=0.0, session=session_spread(study, after), scatter=False)
+    strict += np.diag(study.repeat_variance - study.kernels.noise_variance)
+    null = simulate_null(linearised, strict, study.generator(11), campaigns)
     simulated = null.strict @ left.prediction_error.T
     squares = study.cells.mean_square(simulated[:, : study.data.run_entries])
     floor = float(np.median(squares))
     sound = with_readings(replace(study.base, linearised=study.sound), study.readings)
     elsewhere = leave_out(sound, groups).prediction_error
+    # of the fit whose errors they are compared with: parameters that a gap has bent would pass for noise
+    quiet = simulate_null(sound, strict, study.generator(11), campaigns).strict @ elsewhere.T
     where = localise(
         study.data,
         study.cells,
         study.preload,
         elsewhere @ sound.w,
-        null.strict @ elsewhere.T,
+        quiet,
         study.generator(13),
         explained=_explained(study, verdict, after, results),
     )
@@ -95,6 +98,18 @@ def _explained(
         said = [np.array(r.shift) for r in results if r.effects == (verdict.like,)]
         return said[0] if said else study.remainder.discrepancy
     return np.array(after.shift) if after.effects else None
+
+
+def session_spread(study: Study, after: CandidateResult) -> float:
+    """Spread between sessions, as a multiple of the assumed one, that is no effect: the base model's, or what the named
+    effects leave of it, for what differs between sessions and has a name is no noise."""
+    if not after.effects:
+        return study.session_spread
+    residual, tolerance = np.array(after.errors), after.multipliers[0]
+    scores = [
+        log_normal(residual, study.kernels.total(tolerance=tolerance, session=s)) for s in SESSION_SPREADS
+    ]
+    return min(study.session_spread, SESSION_SPREADS[int(np.argmax(scores))])
 
 
 def _after(verdict: Verdict, results: Sequence[CandidateResult], base: CandidateResult) -> CandidateResult:

@@ -22,7 +22,9 @@ from eaclutch.records import FloatArray
 
 CONFOUNDED = 0.8  # share of a split's variance that another factor explains, from which it is named
 SHOWN = 12  # rows of the table
+FEW_LEVELS = 6  # of a factor that is taken level by level; a level a run would explain anything
 MOST = 0.7  # share of an observable's gap that its place must hold
+NEARLY_ALL = 0.95  # share of what a verdict explains that its place must hold, if there is such a place
 MORE = 1.4  # how much more concentrated than an even spread a place must be, to be named instead of "all"
 MOSTLY_ALL = 0.85  # a level that holds this share of the cells is no place of its own
 LEAST = 0.05  # share of the gap from which a place that the named effect explains is shown
@@ -39,20 +41,11 @@ class Split:
 
 def splits_of(data: DataVector, preload: FloatArray) -> list[Split]:
     """Every two-way split of every factor over the run entries; member (run entries,)."""
-    runs, n = data.conditions, data.run_entries
-    weights = _entry_average(data)
-    arrays = {
-        "voltage_v": runs.voltage,
-        "frequency_hz": runs.frequency,
-        "width_mm": runs.width * 1e3,
-        "thickness_mm": runs.thickness * 1e3,
-        "preload_n": preload,
-        "dwell_s": runs.dwell,
-        "run_order": runs.run_order,
-    }
+    n = data.run_entries
     found = [Split("all", "all", np.ones(n))]
-    for factor, values in arrays.items():
-        entry = weights @ np.nan_to_num(values)
+    for factor, entry in settings_of(data, preload).items():
+        if factor == "session":
+            continue
         for cut in _cuts(entry):
             low = (entry <= cut).astype(float)
             found += [Split(factor, f"<={cut:.3g}", low), Split(factor, f">{cut:.3g}", 1.0 - low)]
@@ -62,6 +55,25 @@ def splits_of(data: DataVector, preload: FloatArray) -> list[Split]:
             Split("session", name, (sessions == name).astype(float)) for name in dict.fromkeys(sessions)
         ]
     return found
+
+
+def settings_of(data: DataVector, preload: FloatArray) -> dict[str, FloatArray]:
+    """{factor: its value at every run entry}; a session's is its number. A time at rest below a millisecond, a few
+    samples, is none."""
+    runs, n = data.conditions, data.run_entries
+    weights = _entry_average(data)
+    arrays = {
+        "voltage_v": runs.voltage,
+        "frequency_hz": runs.frequency,
+        "width_mm": runs.width * 1e3,
+        "thickness_mm": runs.thickness * 1e3,
+        "preload_n": preload,
+        "dwell_s": np.round(runs.dwell, 3),
+        "run_order": runs.run_order,
+    }
+    found = {factor: weights @ np.nan_to_num(values) for factor, values in arrays.items()}
+    session = np.unique(np.array(data.session[:n], dtype=str), return_inverse=True)[1]
+    return found | {"session": session.astype(float)}
 
 
 def _cuts(entry: FloatArray) -> list[float]:
@@ -111,7 +123,7 @@ def localise(
     verdict accounts for, if there is a gap. Returns rows sorted by share.
     """
     n = data.run_entries
-    splits = splits_of(data, preload)
+    splits, settings = splits_of(data, preload), settings_of(data, preload)
     names = [channel.name for channel in data.channels]
     own = np.array([data.channel[:n] == name for name in names])
     ratio, null = _excess(data, cells, errors), _excess(data, cells, simulated)
@@ -124,16 +136,18 @@ def localise(
     observable_p = {
         name: float(p_values[i]) for i, (name, split) in enumerate(tests) if split.factor == "all"
     }
-    shown, excess, least = errors[:n], ratio - null.mean(axis=0), 0.0
+    excess, least, most = ratio - null.mean(axis=0), 0.0, [MOST]
     if explained is not None:
-        shown, level, least = explained[:n], 1.0, LEAST
+        level, least, most = 1.0, LEAST, [NEARLY_ALL, MOST]
         excess = _excess(data, cells, explained)
     rows = []
     for name in names:
-        found = _place(name, tests, masks, excess, p_values, level)
+        found = _place(name, tests, masks, excess, p_values, level, most)
         if found is not None:
             test, index = found
-            rows.append(_row(name, test, masks[index], excess, shown, p_values[index], data, splits, rng))
+            rows.append(
+                _row(name, test, masks[index], excess, errors[:n], p_values[index], data, settings, rng)
+            )
     rows = sorted((row for row in rows if row["share"] >= least), key=lambda row: -row["share"])
     return Where(rows[:SHOWN], observable_p)
 
@@ -157,21 +171,24 @@ def _place(
     excess: FloatArray,
     p_values: FloatArray,
     level: float,
+    most: Sequence[float],
 ) -> tuple[Split, int] | None:
-    """The narrowest place that holds nearly all of an observable's excess, or None without a significant one."""
+    """The narrowest place that holds the first of the shares ``most`` of an observable's excess for which there is one,
+    or None without a significant one."""
     mine = [i for i, (observable, _) in enumerate(tests) if observable == name]
     if not mine or min(p_values[i] for i in mine) > level:
         return None
     every = next(i for i in mine if tests[i][1].factor == "all")
     total, cells = float(masks[every] @ excess), float(masks[every].sum())
     best, best_score = every, 1.0
-    for i in mine:
-        share, part = float(masks[i] @ excess) / max(total, 1e-12), float(masks[i].sum()) / cells
-        # concentration against what an even spread would put there; a place must hold most of the gap
-        if p_values[i] <= level and share >= MOST and part <= MOSTLY_ALL:
-            score = share**2 / max(part, 0.05)
-            if score > (MORE if best == every else 1.05) * best_score:
-                best, best_score = i, score
+    for least in most:
+        for i in mine if best == every else ():
+            share, part = float(masks[i] @ excess) / max(total, 1e-12), float(masks[i].sum()) / cells
+            # concentration against what an even spread would put there; a place must hold most of the gap
+            if p_values[i] <= level and share >= least and part <= MOSTLY_ALL:
+                score = share**2 / max(part, 0.05)
+                if score > (MORE if best == every else 1.05) * best_score:
+                    best, best_score = i, score
     if p_values[best] > level:
         best = min(mine, key=lambda i: p_values[i])
     return tests[best][1], best
@@ -185,7 +202,7 @@ def _row(
     errors: FloatArray,
     p_value: float,
     data: DataVector,
-    splits: Sequence[Split],
+    settings: Mapping[str, FloatArray],
     rng: np.random.Generator,
 ) -> dict[str, Any]:
     channel = next(c for c in data.channels if c.name == name)
@@ -200,7 +217,7 @@ def _row(
         "interval": interval,
         "direction": "+" if mean >= 0 else "-",
         "p_value": float(p_value),
-        "confounded_with": confounded(split, splits),
+        "confounded_with": confounded(split, settings),
     }
 
 
@@ -226,14 +243,27 @@ def _share(
     return share, [min(float(low), share), max(float(high), share)]
 
 
-def confounded(split: Split, splits: Sequence[Split]) -> list[str]:
-    """Factors whose own split is (almost) the same set of runs in this campaign's design."""
-    if split.factor == "all":
+def confounded(split: Split, settings: Mapping[str, FloatArray]) -> list[str]:
+    """Factors whose values say (almost) which side of the split a run is on in this campaign's design: by its levels
+    where they are few, else by the best cut between them."""
+    if split.factor == "all" or np.std(split.member) == 0:
         return []
-    found = set()
-    for other in splits:
-        if other.factor in (split.factor, "all") or np.std(other.member) == 0 or np.std(split.member) == 0:
-            continue
-        if np.corrcoef(split.member, other.member)[0, 1] ** 2 >= CONFOUNDED:
-            found.add(other.factor)
-    return sorted(found)
+    return sorted(
+        factor
+        for factor, values in settings.items()
+        if factor != split.factor and _told_by(split.member, values) >= CONFOUNDED
+    )
+
+
+def _told_by(member: FloatArray, values: FloatArray) -> float:
+    """Share of the variance of ``member`` (entries,) that a factor's ``values`` (entries,) explain."""
+    levels, index = np.unique(values, return_inverse=True)
+    if len(levels) < 2:
+        return 0.0
+    sides = [(values <= cut).astype(int) for cut in levels[:-1]] if len(levels) > FEW_LEVELS else [index]
+    variance, best = float(np.var(member)), 0.0
+    for side in sides:
+        count = np.bincount(side)
+        mean = np.bincount(side, weights=member) / np.maximum(count, 1)
+        best = max(best, float(np.var(mean[side])) / variance)
+    return best

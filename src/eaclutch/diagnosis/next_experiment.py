@@ -14,7 +14,7 @@ from eaclutch.diagnosis.verdict import Verdict
 from eaclutch.diagnosis.weigh import UNKNOWN
 from eaclutch.records import FloatArray, RunConditions
 
-VOLTAGES = (100.0, 200.0, 300.0)
+VOLTAGES = (100.0, 200.0, 300.0)  # below the campaign's largest, which stands beside them
 FREQUENCIES = (0.1, 1.0, 10.0, 100.0, 1000.0, 10000.0)
 PRELOADS = (0.1, 0.5, 1.0)
 RUNS = 5
@@ -85,7 +85,9 @@ def _grid(study: Study) -> RunConditions:
     if substrate is not None:
         thickness = {round(w * 1e3, 6): t for w, t in substrate.thickness.items()} | thickness
     sums = study.inputs.bench.friction.base_kinetic.mean + study.inputs.bench.friction.film_kinetic.mean
-    rows = [(v, f, w * 1e-3, thickness[w], sums * p, p) for v in VOLTAGES for f in FREQUENCIES
+    largest = float(np.max(runs.voltage))
+    voltages = [*(v for v in VOLTAGES if v < largest), largest]
+    rows = [(v, f, w * 1e-3, thickness[w], sums * p, p) for v in voltages for f in FREQUENCIES
             for w in sorted(thickness) for p in PRELOADS]  # fmt: skip
     table = np.array(rows)
     nearest = np.array([int(np.argmin(np.abs(np.log(runs.frequency / f)))) for f in table[:, 1]])
@@ -114,13 +116,17 @@ def _predict(study: Study, result: CandidateResult, grid: RunConditions) -> Floa
 
 
 def _variance(study: Study) -> FloatArray:
-    """(channels,): of a mean over RUNS repeats in one session, tolerance included."""
+    """(channels,): of a mean over RUNS repeats in one session, with the tolerance and what the model misses of one
+    condition (where a tip comes to rest is nearly chance, however often it is repeated)."""
     t = study.thresholds
     typical = {}
     for channel in study.data.channels:
         rows = study.data.channel == channel.name
         single = float(np.median(study.data.noise_sd[rows] ** 2 * study.data.count[rows]))
         typical[channel.name] = (
-            single / RUNS + t["session_sd"][channel.block] ** 2 + t["tolerance"][channel.block] ** 2
+            single / RUNS
+            + t["session_sd"][channel.block] ** 2
+            + t["tolerance"][channel.block] ** 2
+            + t["scatter"].get(channel.block, 0.0) ** 2
         )
     return np.array([typical[c.name] for c in study.data.channels])

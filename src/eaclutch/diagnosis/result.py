@@ -164,7 +164,7 @@ def summarise(
         entry = {"mean": float(mode.theta[i]), "sd": float(mode.sd[i]), "unit": parameter.unit}
         if forward.own(parameter.name):
             own[parameter.name if len(fitted.effects) > 1 else parameter.name.split(".", 1)[1]] = entry
-        elif "." not in parameter.name:
+        else:  # of an effect that the campaign's own model has, too
             calibrated[parameter.name] = entry | {"prior_sds": float(mode.u[i])}
     return CandidateResult(
         fitted.effects,

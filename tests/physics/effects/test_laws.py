@@ -255,6 +255,14 @@ def test_trapped_charge_of_the_electrodes_sign_weakens_the_drive(fill):
     np.testing.assert_allclose(np.asarray(filled.residual_fraction)[2], 0.4)
 
 
+def test_trapped_charge_may_be_the_same_at_any_voltage(fill):
+    """A fixed charge leaves twice the share of the field at half the voltage; 300 and 150 V, same half wave."""
+    filled = fill("trapped_charge", residual_fraction=0.3, corner_frequency=50.0, voltage_exponent=-1.0)
+    plain = fill("trapped_charge", residual_fraction=0.3, corner_frequency=50.0)
+    ratio = np.asarray(filled.residual_fraction) / np.asarray(plain.residual_fraction)
+    np.testing.assert_allclose(ratio[:3], [1.0, 1.0, 2.0])
+
+
 @pytest.mark.parametrize("exponent", [0.4, 1.0, 2.5])
 def test_side_friction_is_part_of_the_friction_that_tells_the_preload(fill, inputs, exponent):
     """What presses the strip and what the walls rub add up to the friction before the voltage, at any power."""

@@ -86,9 +86,9 @@ EFFECT = Effect(
         Parameter(
             "squeeze_ratio",
             "1",
-            (0.0, 20.0),
+            (0.0, 40.0),
             0.0,
-            Prior("halfnormal", 1.0),
+            Prior("halfnormal", 3.0),
             description="damping of the film's lift over that of the air, where the walls are pressed with 0.5 N",
         ),
         Parameter(

@@ -35,9 +35,9 @@ EFFECT = Effect(
         Parameter(
             "stiffness",
             "N/m2",
-            (0.0, 5e6),
+            (0.0, 2e7),
             0.0,
-            Prior("halfnormal", 4e5),
+            Prior("halfnormal", 1e6),
             neutral=0.0,
             description="restoring force per gap closed and overlap length, of a strip 2 mm wide",
         ),

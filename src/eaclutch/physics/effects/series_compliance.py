@@ -37,7 +37,7 @@ EFFECT = Effect(
             "m/N",
             (0.0, 2e-4),
             0.0,
-            Prior("halfnormal", 1.5e-5),
+            Prior("halfnormal", 3e-5),
             neutral=0.0,
             description="elastic give in series with the load cell (whose own is 5.5e-5), with a strip 2 mm wide",
         ),

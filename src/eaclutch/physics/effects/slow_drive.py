@@ -69,7 +69,7 @@ EFFECT = Effect(
         Parameter(
             "reversal_ratio",
             "1",
-            (1e-4, 1.0),
+            (1e-4, 30.0),
             0.1,
             Prior("lognormal", 0.1, 2.0),
             description="lag at reversals of polarity, which costs force at high frequency, over that at on and off",

@@ -1,10 +1,12 @@
-"""Trapped charge: while one polarity lasts, charge fills traps at the film's surface; what has been filled
-outlives the drive as a residual field. Saturable filling over the time t_h that one polarity lasts,
-q / q_max = t_h / (t_h + t_i), with t_h = 1 / (2 f) (never longer than the drive itself, which is the case of
-DC) and the injection time t_i = 1 / (2 f_c), gives a residual field r = a / (1 + f / f_c) of the drive's for f well
-above one over the drive. It decays as exp(-t / decay_time) after switch-off. Charge of the electrode's own sign
-(homocharge) takes the same field off the drive while it lasts: the film is pulled by 1 - s r of it, where s is 1 for a
-charge that sits there all the time and 0 for one that the force does not feel before switch-off."""
+"""Trapped charge: while one polarity lasts, charge fills traps at the film's surface; what has been filled outlives the
+drive as a residual field. Saturable filling over the time t_h that one polarity lasts, q / q_max = t_h / (t_h + t_i),
+with t_h = 1 / (2 f) (never longer than the drive itself, which is the case of DC) and the injection time t_i = 1 / (2
+f_c), gives a residual field r = a / (1 + f / f_c) of the drive's for f well above one over the drive. The field that
+is left need not grow as the drive's: charge that fills all traps leaves the same at any voltage, and injection that
+needs a field leaves more than in proportion, so a goes as V^q. It decays as exp(-t / decay_time) after switch-off.
+Charge of the electrode's own sign (homocharge) takes the same field off the drive while it lasts: the film is pulled
+by 1 - s r of it, where s is 1 for a charge that sits there all the time and 0 for one that the force does not feel
+before switch-off."""
 
 from __future__ import annotations
 
@@ -17,15 +19,20 @@ from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
 LARGEST_RESIDUAL = 0.98
+REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """Residual field r = a t_h / (t_h + t_i) of the drive's, its decay, and force_factor (1 - s r)^2 while driven."""
+    """Residual field r = a (V / V_0)^q t_h / (t_h + t_i) of the drive's, its decay, and force_factor (1 - s r)^2 while
+    driven."""
     conditions = inputs.conditions
     polarity_time = np.minimum(0.5 / conditions.frequency, conditions.drive_duration)
     injection_time = 0.5 / np.asarray(values["corner_frequency"])
     filled = polarity_time / (polarity_time + injection_time)
-    residual = values["residual_fraction"] * filled
+    stronger = (np.maximum(conditions.voltage, 1.0) / REFERENCE_VOLTAGE) ** np.asarray(
+        values["voltage_exponent"]
+    )
+    residual = np.minimum(values["residual_fraction"] * stronger * filled, LARGEST_RESIDUAL)
     driven = 1.0 - np.asarray(values["screening"]) * residual
     return sockets.with_(
         force_factor=sockets.force_factor * driven**2,
@@ -49,7 +56,7 @@ EFFECT = Effect(
             0.0,
             Prior("halfnormal", 0.5),
             neutral=0.0,
-            description="residual field over the drive's, just after a long single polarity",
+            description="residual field over the drive's, just after a long single polarity at 300 V",
         ),
         Parameter(
             "corner_frequency",
@@ -66,6 +73,14 @@ EFFECT = Effect(
             0.02,
             Prior("lognormal", 0.02, 2.0),
             description="decay of the residual field",
+        ),
+        Parameter(
+            "voltage_exponent",
+            "1",
+            (-1.5, 2.0),
+            0.0,
+            Prior("normal", 0.0, 0.5),
+            description="the residual share of the drive's field grows as the voltage to this power",
         ),
         Parameter(
             "screening",
@@ -87,6 +102,7 @@ EFFECT = Effect(
         "residual_fraction": rng.uniform(0.4, 0.9),
         "corner_frequency": float(np.exp(rng.uniform(np.log(5.0), np.log(300.0)))),
         "decay_time": float(np.exp(rng.uniform(np.log(1e-3), np.log(1.0)))),
-        "screening": 0.3,  # not drawn: what recipes draw after this effect stays as it was
+        "voltage_exponent": 0.0,
+        "screening": 0.3,  # neither is drawn: what recipes draw after this effect stays as it was
     },
 )

@@ -27,7 +27,7 @@ EFFECT = Effect(
             "s",
             (0.0, 5e-3),
             0.0,
-            Prior("halfnormal", 1e-4),
+            Prior("halfnormal", 2e-4),
             neutral=0.0,
             description="delay of the film's voltage against the logged edge",
         ),
