@@ -50,7 +50,8 @@ class Sockets:
         0.0  # m; adds in quadrature to the roughness sd in contact and force (tilt)
     )
     fixture_gap_spread_sd: FloatArray | float = 0.0  # m; the same on the capacitance fixture
-    adhesion_force: FloatArray | float = 0.0  # N at full contact; acts as adhesion_force * Phi(-h / sigma)
+    adhesion_force: FloatArray | float = 0.0  # N at full contact; acts as adhesion_force * ..
+    adhesion_range: FloatArray | float = 1.0  # .. Phi(-h / (adhesion_range sigma))
     # film
     film_weight: FloatArray | float = 0.0  # N; m_d g
     damping_factor: FloatArray | float = 0.0  # multiplies the squeeze-film coefficient; 0 = no squeeze film

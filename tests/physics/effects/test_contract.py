@@ -77,7 +77,8 @@ def test_the_neutral_value_is_exactly_off(effect: Effect, inputs: Inputs):
     drawn = effect.draw(rng)
     off = _values(effect, lambda p: drawn[p.name] if p.neutral is None else p.neutral)
     unset = effect.apply(Sockets(), inputs, off)
-    decoration = {"residual_decay_time", "weakening_speed"}  # say nothing while their amplitude is zero
+    # say nothing while their amplitude is zero
+    decoration = {"residual_decay_time", "weakening_speed", "adhesion_range"}
     assert set(_same(unset, Sockets(), (4,))) <= decoration
 
 

@@ -73,7 +73,10 @@ CASES = {
             "fixture_gap_spread_sd": [3.12249900e-7, 3.12249900e-7, 4.33012702e-7, 3.12249900e-7],
         },
     ),
-    "surface_adhesion": ({"pressure": 1e5}, {"adhesion_force": [11.1, 11.1, 22.2, 11.1]}),
+    "surface_adhesion": (
+        {"pressure": 1e5, "range_ratio": 2.5},
+        {"adhesion_force": [11.1, 11.1, 22.2, 11.1], "adhesion_range": 2.5},
+    ),
     # a ramp of 1 N / (9.009 N/s) = 0.11100 s; rests of half of it plus 0.5 ms, 0 and 50 ms
     "contact_aging": (
         {"rate": 0.05, "onset_time": 0.1},

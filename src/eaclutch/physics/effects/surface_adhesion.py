@@ -1,5 +1,10 @@
-"""Surface adhesion (DMT): outside forces act like an added load on the contacting spots. The share of a Gaussian
-surface at or below zero gap is Phi(-h / sigma), so the load is p_a L_s w_s Phi(-h / sigma), voltage or not."""
+"""Surface adhesion (DMT): forces that act outside the contacting spots load them, voltage or not. The share of a
+Gaussian surface at or below zero gap is Phi(-h / sigma), so where the attraction ends with the contact the load is
+p_a L_s w_s Phi(-h / sigma). One that reaches across the gap (left charge, a film of water; van der Waals forces by
+themselves fade within 0.1 um or so) falls with the distance more slowly than the share that touches. Its load is
+taken as p_a L_s w_s Phi(-h / (r sigma)), the same shape r times as wide. That is no law of any one force: it has a
+range and two ends, contact alone at r = 1 and, for a range far beyond the gap, a pressure of p_a / 2 that hardly
+depends on it."""
 
 from __future__ import annotations
 
@@ -13,9 +18,12 @@ from eaclutch.records import FloatArray
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """adhesion_force = p_a L_s w_s at full contact."""
+    """adhesion_force = p_a L_s w_s at full contact, adhesion_range = r."""
     area = inputs.bench.pad.overlap_length * inputs.conditions.width
-    return sockets.with_(adhesion_force=sockets.adhesion_force + values["pressure"] * area)
+    return sockets.with_(
+        adhesion_force=sockets.adhesion_force + values["pressure"] * area,
+        adhesion_range=values["range_ratio"],
+    )
 
 
 EFFECT = Effect(
@@ -34,13 +42,24 @@ EFFECT = Effect(
             neutral=0.0,
             description="attraction per contacting area",
         ),
+        Parameter(
+            "range_ratio",
+            "1",
+            (1.0, 10.0),
+            1.0,
+            Prior("lognormal", 1.5, 0.7),
+            description="range of the attraction over the spread of gaps; 1: it ends with the contact",
+        ),
     ),
     reference=(
-        "Derjaguin, Muller & Toporov, J. Colloid Interface Sci. 53 (1975) 314, doi:10.1016/0021-9797(75)90018-1"
+        "Derjaguin, Muller & Toporov, J. Colloid Interface Sci. 53 (1975) 314, doi:10.1016/0021-9797(75)90018-1; "
+        "Israelachvili, Intermolecular and Surface Forces, 3rd ed. (2011), doi:10.1016/C2009-0-21560-1 (that surface "
+        "forces fall with distance); shape beyond contact chosen here"
     ),
-    validity="stiff contacts (DMT, not JKR): no pull-off instability of single spots",
+    validity="stiff contacts (DMT, not JKR): no pull-off instability of single spots; one range, no force's own decay",
     apply=apply,
     draw=lambda rng: {
         "pressure": float(np.exp(rng.uniform(np.log(2e4), np.log(2e5)))),
+        "range_ratio": 1.5,  # not drawn: what recipes draw after this effect stays as it was
     },
 )

@@ -27,12 +27,13 @@ def contact(p, h, tables):
 
 @inlined
 def adhesion(p, h):
-    """(attraction without voltage, its derivative) [N, N/m]: A Phi(-h / sigma)."""
+    """(attraction without voltage, its derivative) [N, N/m]: A Phi(-h / (r sigma)), r = range."""
     if p.adhesion_force == 0.0:
         return 0.0, 0.0
-    x = h * p.inverse_sigma
+    x = h * p.inverse_sigma / p.adhesion_range
     density = math.exp(-0.5 * x * x) / ROOT_TWO_PI
-    return p.adhesion_force * 0.5 * math.erfc(x * ROOT_HALF), -p.adhesion_force * density * p.inverse_sigma
+    slope = -p.adhesion_force * density * p.inverse_sigma / p.adhesion_range
+    return p.adhesion_force * 0.5 * math.erfc(x * ROOT_HALF), slope
 
 
 @inlined

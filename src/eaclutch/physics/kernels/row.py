@@ -18,7 +18,7 @@ ROW = np.dtype(
             "force_scale", "held_factor", "gap_in_force", "roughness_in_force", "clamped", "cut",
             "residual_fraction", "residual_decay_time",
             # contact: contact_scale = k L w sigma^1.5; sigma = roughness and any spread of gaps
-            "contact_scale", "sigma", "inverse_sigma", "adhesion_force",
+            "contact_scale", "sigma", "inverse_sigma", "adhesion_force", "adhesion_range",
             # film: damping [N s m2] so that F_b = -damping / (h^2 (h + 6 slip_length)) dh/dt
             "film_mass", "film_weight", "damping", "slip_length", "film_spring", "film_hardening",
             # friction

@@ -1,0 +1,83 @@
+"""Attraction without voltage: its law over the gap, its ends, and the gaps at which it balances."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ndtr
+
+from eaclutch.physics import laws
+from eaclutch.physics.effects import BASE
+from eaclutch.physics.kernels.forces import adhesion
+from eaclutch.physics.model import ClutchModel
+
+SIGMA, AREA = 2.8e-6, 55.5e-3 * 2e-3  # m, m2: the defaults
+PRESSURE = 8e4  # Pa
+
+
+@pytest.fixture(scope="module")
+def sticky(bench) -> ClutchModel:
+    return ClutchModel(bench, (*BASE, "surface_adhesion"))
+
+
+def _given(pressure: float, ratio: float) -> dict[str, float]:
+    return {"surface_adhesion.pressure": pressure, "surface_adhesion.range_ratio": ratio}
+
+
+@pytest.fixture
+def pull(sticky, runs):
+    """``pull(ratio, h)``: (attraction [N], its derivative [N/m]) at a gap h [m]."""
+    return lambda ratio, h: adhesion(sticky.rows(runs(), _given(PRESSURE, ratio))[0][0, 0], h)
+
+
+@pytest.mark.parametrize("h", [1e-7, 3e-6, 8e-6])
+def test_without_a_range_it_is_the_share_that_touches(pull, sticky, runs, h):
+    """To the last bit: the parameter came later than the law."""
+    x = h / SIGMA
+    force, slope = pull(1.0, h)
+    assert force == pytest.approx(PRESSURE * AREA * ndtr(-x), rel=1e-12)
+    assert slope == pytest.approx(
+        -PRESSURE * AREA / SIGMA * math.exp(-x * x / 2) / math.sqrt(2 * math.pi), rel=1e-12
+    )
+    one, none = (
+        sticky.predict(runs(), p) for p in (_given(PRESSURE, 1.0), {"surface_adhesion.pressure": PRESSURE})
+    )
+    for name, values in none.values.items():
+        np.testing.assert_array_equal(one.values[name], values, err_msg=name)
+
+
+def test_far_beyond_the_gap_it_is_half_the_pressure(pull):
+    """At ten sigma: 8 um away the attraction has lost a quarter of what it is at contact, the share all but 0.4 %."""
+    at_contact, away = pull(10.0, 0.0)[0], pull(10.0, 8e-6)[0]
+    assert at_contact == pytest.approx(0.5 * PRESSURE * AREA)
+    assert away / at_contact == pytest.approx(2.0 * ndtr(-8.0 / 28.0), rel=1e-9)
+    assert away / at_contact > 0.77 and pull(1.0, 8e-6)[0] / at_contact < 5e-3
+
+
+@pytest.mark.parametrize("ratio", [1.0, 1.5, 4.0, 10.0])
+def test_its_slope_is_that_of_the_force(pull, ratio):
+    for h in (5e-7, 4e-6, 1e-5):
+        step = 1e-10
+        difference = (pull(ratio, h + step)[0] - pull(ratio, h - step)[0]) / (2 * step)
+        assert pull(ratio, h)[1] == pytest.approx(difference, rel=1e-5)
+
+
+def test_the_farther_it_reaches_the_closer_the_film_lies(sticky, runs):
+    """Both gaps fall with the range; the one without voltage balances by the definitions."""
+    ratios = (1.0, 1.5, 3.0, 10.0)
+    found = [sticky.predict(runs(), _given(2e4, ratio)) for ratio in ratios]
+    for name in ("gap_before", "gap_driven"):
+        gaps = [p.state[name][0, 0] for p in found]
+        assert (np.diff(gaps) < 0).all(), (name, gaps)
+    weight = 9.81 * 1780.0 * 24e-6 * AREA
+    for ratio, p in zip(ratios, found, strict=True):
+
+        def balance(h, ratio=ratio, p=p):
+            lift = float(laws.contact_force(h, 5.4e14, SIGMA, 55.5e-3, 2e-3))
+            return lift - p.state["preload"][0, 0] - weight - 2e4 * AREA * ndtr(-h / (ratio * SIGMA))
+
+        before = brentq(balance, 1e-6, 2e-5, xtol=1e-16)
+        assert p.state["gap_before"][0, 0] == pytest.approx(before, rel=1e-7)
