@@ -81,3 +81,27 @@ def test_the_farther_it_reaches_the_closer_the_film_lies(sticky, runs):
 
         before = brentq(balance, 1e-6, 2e-5, xtol=1e-16)
         assert p.state["gap_before"][0, 0] == pytest.approx(before, rel=1e-7)
+
+
+@pytest.mark.parametrize("ratio", [1.0, 3.0])
+def test_the_fixture_is_pulled_as_hard_per_area(sticky, ratio):
+    """Its overlap is 60 mm, the pad's 55.5 mm: contact and attraction grow alike, at the gap that the reading says."""
+    force, pad = np.array([0.2, 1.0, 4.0]), sticky.bench.pad
+    area = 60e-3 * 2e-3
+    gaps = [
+        brentq(
+            lambda h, f=f: (
+                float(laws.contact_force(h, 5.4e14, SIGMA, 60e-3, 2e-3))
+                - PRESSURE * area * ndtr(-h / (ratio * SIGMA))
+                - f
+            ),
+            1e-6,
+            2e-5,
+            xtol=1e-16,
+        )
+        for f in force
+    ]
+    kappa = laws.permittivity(1e3, 54.2, 4.0, 2.82e-6, 0.562)
+    expected = laws.capacitance(pad, 2e-3, np.array(gaps), kappa, 24e-6)
+    found = sticky.capacitance(force, 2e-3, {**_given(PRESSURE, ratio), "stray_capacitance": 0.0})
+    assert found[0] == pytest.approx(expected, rel=1e-7)

@@ -211,7 +211,8 @@ class ClutchModel:
         table = fill.fill_rows(
             self.bench, conditions, values, sockets, "none", False, self.roughness_cut, draws
         )
-        table["contact_scale"] *= fixture.overlap_length / self.bench.pad.overlap_length
+        for name in ("contact_scale", "adhesion_force"):  # both per area of the pad's overlap
+            table[name] *= fixture.overlap_length / self.bench.pad.overlap_length
         gap = np.empty(table.shape)
         gaps_at_loads(
             table.reshape(-1), np.broadcast_to(force, table.shape).ravel(), tables(), gap.reshape(-1)
