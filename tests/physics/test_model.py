@@ -86,6 +86,34 @@ def test_ramp_slopes_are_least_squares(model, runs):
             assert p.values[name][0, index] == pytest.approx(fitted, abs=1.2)
 
 
+def test_a_delay_of_the_voltage_keeps_the_force_where_it_was(model, runs):
+    """2 ms: a third of the early window is flat, which takes 7/27 of its slope; 0.5 ms lie before every window."""
+    late = ClutchModel(model.bench, (*BASE, "trigger_latency"))
+    names = ("ramp_rate_early_n_s", "ramp_rate_n_s", "ramp_rate_late_n_s")
+    prompt = model.predict(runs()).values
+    same, little, much, all_of_it = (
+        late.predict(runs(), {"trigger_latency.delay": delay}).values for delay in (0.0, 0.5e-3, 2e-3, 5e-3)
+    )
+    for name in prompt:
+        np.testing.assert_array_equal(same[name], prompt[name], err_msg=name)
+    for name in names[:2]:
+        assert little[name][0, 0] == pytest.approx(prompt[name][0, 0], rel=1e-9)
+    assert much[names[0]][0, 0] == pytest.approx(20 / 27 * prompt[names[0]][0, 0], rel=1e-9)
+    assert much[names[1]][0, 0] == pytest.approx(prompt[names[1]][0, 0], rel=1e-9)
+    assert all_of_it[names[0]][0, 0] == pytest.approx(0.0, abs=1e-9)
+    # with slips in the window: the line through the shifted sawtooth, point by point
+    time = np.linspace(50e-3, 200e-3, 300_001)
+    top = prompt["shear_capacity_n"][0, 0] + 0.15
+    fall, rate = prompt["slip_fraction"][0, 0] * top, 18018.0 * 0.5e-3
+    for delay, found in ((0.0, prompt), (2e-3, much), (5e-3, all_of_it)):
+        force = 0.15 + rate * (time - delay)
+        force = np.where(force < top, force, top - fall + np.mod(force - top, fall))
+        assert found[names[2]][0, 0] == pytest.approx(np.polyfit(time, force, 1)[0], abs=1e-2)
+    # and what a run too short to slip reaches
+    short = late.predict(runs(drive_duration=0.02), {"trigger_latency.delay": 2e-3})
+    assert short.values["shear_capacity_n"][0, 0] == pytest.approx(rate * 0.018)
+
+
 def test_pull_in_and_never_slips_are_named(model, runs):
     soft = model.predict(runs(), {"contact_stiffness": 2e12})
     assert (soft.status["release"] == Status.pull_in).all() and np.isnan(

@@ -56,11 +56,14 @@ def slip_bottom(p, static, kinetic):
 
 
 @compiled
-def ramp_slope(start, top, bottom, rate, t0, t1):
-    """Least-squares slope [N/s] over [t0, t1] of the sawtooth that climbs from ``start`` at ``rate`` to ``top``,
-    drops to ``bottom`` and climbs again."""
+def ramp_slope(start, top, bottom, rate, delay, t0, t1):
+    """Least-squares slope [N/s] over [t0, t1] of the sawtooth that stays at ``start`` for ``delay``, climbs from it
+    at ``rate`` to ``top``, drops to ``bottom`` and climbs again."""
     middle, sum_ft = 0.5 * (t0 + t1), 0.0
-    begin, level = 0.0, start
+    begin, level = delay, start
+    flat = min(delay, t1)
+    if flat > t0:  # integral of start (t - middle)
+        sum_ft = start * 0.5 * (flat - t0) * (flat - t1)
     # slips of 0.1 mN at least, so that the sawtooth moves on, and a thousand of them in the window are enough
     fall = max(top - bottom, 1e-3 * top, 1e-4, 1e-3 * rate * t1)
     while begin < t1:
@@ -79,15 +82,16 @@ def driven_run(p, gap, gap_before, tables):
     """(status, largest force, force at switch-off, slip fraction, ramp slope, early, late, the model's own force at
     switch-off) [N, N, 1, N/s, N].
 
-    The force climbs from the friction before. Where the measured force at switch-off is not given the model's is
-    used: on the ramp while it has not slipped, after that bottom + slip_phase (top - bottom): the static
-    capacity scatters by a few percent from slip to slip, so the phase of the sawtooth is lost after the first slips.
+    The force climbs from the friction before once the drive's delay is over. Where the measured force at switch-off is
+    not given the model's is used: on the ramp while it has not slipped, after that bottom + slip_phase (top - bottom):
+    the static capacity scatters by a few percent from slip to slip, so the phase of the sawtooth is lost after the
+    first slips.
     """
     static, kinetic = driven_friction(p, gap, gap_before, tables)
     bottom = slip_bottom(p, static, kinetic)
     rate = stuck_stiffness(p) * p.stage_speed
     start = p.friction_before
-    reach = start + rate * max(p.drive_duration - p.dwell, 0.0)
+    reach = start + rate * max(p.drive_duration - p.dwell - p.drive_delay, 0.0)
     status = OK
     if reach < static:
         status = NEVER_SLIPS
@@ -98,9 +102,9 @@ def driven_run(p, gap, gap_before, tables):
     own = switch_off
     if not math.isnan(p.switch_off_force):
         switch_off = p.switch_off_force
-    ramp = ramp_slope(start, static, bottom, rate, 2e-3, 20e-3)
-    early = ramp_slope(start, static, bottom, rate, 0.5e-3, 5e-3)
-    late = ramp_slope(start, static, bottom, rate, 50e-3, 200e-3)
+    ramp = ramp_slope(start, static, bottom, rate, p.drive_delay, 2e-3, 20e-3)
+    early = ramp_slope(start, static, bottom, rate, p.drive_delay, 0.5e-3, 5e-3)
+    late = ramp_slope(start, static, bottom, rate, p.drive_delay, 50e-3, 200e-3)
     return status, largest, switch_off, (static - bottom) / static, ramp, early, late, own
 
 
