@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 FloatArray = NDArray[Any]  # of floats; which precision is not typed
+DC_LABEL = 0.1  # Hz, the rig's way to write DC
 
 
 class InputError(ValueError):

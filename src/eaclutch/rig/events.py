@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
-from eaclutch.records import FloatArray, Recording
+from eaclutch.records import DC_LABEL, FloatArray, Recording
 from eaclutch.rig.columns_in_step import sample_spacing
 from eaclutch.rig.estimate import Unusable
 from eaclutch.rig.hidden_wave import unseen_wave
 
-DC_LABEL = 0.1  # Hz, the rig's way to write DC
 LOST = "voltage_lines_lost"  # flag of a voltage column whose edges cannot be trusted
 MAJORITY = 5  # samples whose majority is the flag: a single sample that lost a digit is no edge
 SENSED_HIGH = 50.0  # V, above this the sensed electrode carries the high voltage

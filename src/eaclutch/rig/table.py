@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from eaclutch.records import Bench, ObservableInfo, RunConditions
-from eaclutch.rig.events import DC_LABEL
+from eaclutch.records import DC_LABEL, Bench, ObservableInfo, RunConditions
 from eaclutch.rig.log_names import parse_log_name
 from eaclutch.rig.observables import OBSERVABLES
 from eaclutch.rig.preload import substrate_of

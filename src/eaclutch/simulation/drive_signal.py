@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from eaclutch.records import Drive, FloatArray
-from eaclutch.rig.events import DC_LABEL
+from eaclutch.records import DC_LABEL, Drive, FloatArray
 from eaclutch.simulation.noise import BenchNoise, counts
 
 

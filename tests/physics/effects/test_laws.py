@@ -251,6 +251,14 @@ def test_trapped_charge_is_a_low_pass_of_the_drive(fill):
     np.testing.assert_allclose(np.asarray(at_corner.residual_fraction)[2], 0.3)
 
 
+def test_a_polarity_of_dc_lasts_as_long_as_the_drive(fill, inputs):
+    """20 s on 5 s of injection: 4/5, not the half that 0.1 Hz would have filled; at 0.2 Hz it is 2.5 s, a third."""
+    object.__setattr__(inputs.conditions, "drive_duration", np.full(4, 20.0))
+    object.__setattr__(inputs.conditions, "frequency", np.array([0.1, 0.2, 0.1, 0.1]))
+    filled = fill("trapped_charge", residual_fraction=0.5, corner_frequency=0.1)
+    np.testing.assert_allclose(np.asarray(filled.residual_fraction)[:2], [0.4, 0.5 / 3.0])
+
+
 def test_trapped_charge_of_the_electrodes_sign_weakens_the_drive(fill):
     """A third of the field, half of which the driven film feels: 5/6 are left, and 2/5 of these outlive them."""
     filled = fill("trapped_charge", residual_fraction=0.4, corner_frequency=50.0, screening=0.5)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 
+from eaclutch.records import DC_LABEL
 from eaclutch.rig.link.protocol import BenchSetting, Columns
 from eaclutch.rig.link.transfer import TransferFault
 
-DC_LABEL = 0.1  # Hz, the rig's way to write DC
 SENSED_HIGH = 50.0  # V
 # Below, too few edges fall into a drive; above, the sampling does not resolve them.
 _FREQUENCIES = (2.0, 2000.0)
