@@ -60,6 +60,6 @@ EFFECT = Effect(
     apply=apply,
     draw=lambda rng: {
         "pressure": float(np.exp(rng.uniform(np.log(2e4), np.log(2e5)))),
-        "range_ratio": 1.5,  # not drawn: what recipes draw after this effect stays as it was
+        "range_ratio": 1.2,  # not drawn: what recipes draw after this effect stays as it was
     },
 )
