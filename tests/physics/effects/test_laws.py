@@ -73,9 +73,10 @@ CASES = {
             "fixture_gap_spread_sd": [3.12249900e-7, 3.12249900e-7, 4.33012702e-7, 3.12249900e-7],
         },
     ),
+    # 11.1 N Phi(-2) / Phi(-0.8) = 11.1 N x 0.02275013 / 0.21185540
     "surface_adhesion": (
         {"pressure": 1e5, "range_ratio": 2.5},
-        {"adhesion_force": [11.1, 11.1, 22.2, 11.1], "adhesion_range": 2.5},
+        {"adhesion_force": [1.1919756, 1.1919756, 2.3839512, 1.1919756], "adhesion_range": 2.5},
     ),
     # a ramp of 1 N / (9.009 N/s) = 0.11100 s; rests of half of it plus 0.5 ms, 0 and 50 ms
     "contact_aging": (
