@@ -24,9 +24,9 @@ class Channel:
 
     block: channels of one block share their session effect and their model-form tolerance in part.
     unit_scale: what counts as 1 on the comparison scale (linear channels only; in the observable's unit).
-    resolvable: False where the rig cannot tell what the observable is named after: such a channel takes
-    no part in the comparison, and never carries a name. window_end [s]: end of a ramp's window after voltage on; a run that
-    slips before it measures its slips, not its ramp, and does not count.
+    resolvable: False where the rig cannot tell what the observable is named after: such a channel takes no part
+    in the comparison, and never carries a name. window_end [s]: end of a ramp's window after voltage on; a run
+    that slips before it measures its slips, not its ramp, and does not count.
     """
 
     name: str
