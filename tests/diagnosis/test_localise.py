@@ -97,8 +97,8 @@ def test_the_direction_is_that_of_the_measured_errors_whatever_the_effect_would_
     assert row["direction"] == "+"
 
 
-def test_the_place_of_an_effect_holds_all_of_it_before_it_is_small(campaign):
-    """Two thirds more at one voltage there: the half that acts is named, not the quarter that acts most."""
+def test_the_place_of_an_effect_is_the_split_that_says_most_of_it(campaign):
+    """Two fifths of the runs there feel it four times as much: the half that acts is named, not where it acts most."""
     data, cells, late = campaign
     rng = np.random.default_rng(1)
     explained = np.zeros(2 * RUNS)
@@ -108,6 +108,15 @@ def test_the_place_of_an_effect_holds_all_of_it_before_it_is_small(campaign):
     (row,) = localise(data, cells, np.full(RUNS, 0.1), errors, simulated, rng, explained).rows
     assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
     assert row["share"] == pytest.approx(1.0)
+
+
+def test_an_effect_that_acts_alike_everywhere_is_called_all(campaign):
+    data, cells, _ = campaign
+    rng = np.random.default_rng(1)
+    explained = np.concatenate([rng.uniform(0.05, 0.15, RUNS), np.zeros(RUNS)])
+    simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
+    (row,) = localise(data, cells, np.full(RUNS, 0.1), explained, simulated, rng, explained).rows
+    assert row["factor"] == "all"
 
 
 def test_a_factor_that_says_which_side_a_run_is_on_is_named_though_no_cut_of_it_does():

@@ -24,7 +24,7 @@ CONFOUNDED = 0.8  # share of a split's variance that another factor explains, fr
 SHOWN = 12  # rows of the table
 FEW_LEVELS = 6  # of a factor that is taken level by level; a level a run would explain anything
 MOST = 0.7  # share of an observable's gap that its place must hold
-NEARLY_ALL = 0.95  # share of what a verdict explains that its place must hold, if there is such a place
+NEARLY = 0.8  # of what the best split of a signature says, from which its overall mean says enough
 MORE = 1.4  # how much more concentrated than an even spread a place must be, to be named instead of "all"
 MOSTLY_ALL = 0.85  # a level that holds this share of the cells is no place of its own
 LEAST = 0.05  # share of the gap from which a place that the named effect explains is shown
@@ -136,13 +136,18 @@ def localise(
     observable_p = {
         name: float(p_values[i]) for i, (name, split) in enumerate(tests) if split.factor == "all"
     }
-    excess, least, most = ratio - null.mean(axis=0), 0.0, [MOST]
+    excess, least, signature = ratio - null.mean(axis=0), 0.0, None
     if explained is not None:
-        level, least, most = 1.0, LEAST, [NEARLY_ALL, MOST]
+        level, least = 1.0, LEAST
         excess = _excess(data, cells, explained)
+        signature = explained[:n]
     rows = []
     for name in names:
-        found = _place(name, tests, masks, excess, p_values, level, most)
+        found = (
+            _place(name, tests, masks, excess, p_values, level)
+            if signature is None
+            else _seat(name, tests, masks, signature)
+        )
         if found is not None:
             test, index = found
             rows.append(
@@ -171,26 +176,49 @@ def _place(
     excess: FloatArray,
     p_values: FloatArray,
     level: float,
-    most: Sequence[float],
 ) -> tuple[Split, int] | None:
-    """The narrowest place that holds the first of the shares ``most`` of an observable's excess for which there is one,
-    or None without a significant one."""
+    """The narrowest place that holds nearly all of an observable's excess, or None without a significant one."""
     mine = [i for i, (observable, _) in enumerate(tests) if observable == name]
     if not mine or min(p_values[i] for i in mine) > level:
         return None
     every = next(i for i in mine if tests[i][1].factor == "all")
     total, cells = float(masks[every] @ excess), float(masks[every].sum())
     best, best_score = every, 1.0
-    for least in most:
-        for i in mine if best == every else ():
-            share, part = float(masks[i] @ excess) / max(total, 1e-12), float(masks[i].sum()) / cells
-            # concentration against what an even spread would put there; a place must hold most of the gap
-            if p_values[i] <= level and share >= least and part <= MOSTLY_ALL:
-                score = share**2 / max(part, 0.05)
-                if score > (MORE if best == every else 1.05) * best_score:
-                    best, best_score = i, score
+    for i in mine:
+        share, part = float(masks[i] @ excess) / max(total, 1e-12), float(masks[i].sum()) / cells
+        # concentration against what an even spread would put there; a place must hold most of the gap
+        if p_values[i] <= level and share >= MOST and part <= MOSTLY_ALL:
+            score = share**2 / max(part, 0.05)
+            if score > (MORE if best == every else 1.05) * best_score:
+                best, best_score = i, score
     if p_values[best] > level:
         best = min(mine, key=lambda i: p_values[i])
+    return tests[best][1], best
+
+
+def _seat(
+    name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, signature: FloatArray
+) -> tuple[Split, int] | None:
+    """Where what is known to act on an observable does, or None where it does nothing there.
+
+    signature (entries,): its shift on the comparison scale. The split whose two means say most of it, by the side
+    that holds more; "all" where one mean says nearly as much.
+    """
+    mine = [i for i, (observable, _) in enumerate(tests) if observable == name]
+    every = next((i for i in mine if tests[i][1].factor == "all"), None)
+    if every is None or not masks[every] @ signature**2 > 0.0:
+        return None
+    size, total = float(masks[every].sum()), float(masks[every] @ signature)
+    said = {every: total**2 / size}
+    for i in mine:
+        inside, part = float(masks[i] @ signature), float(masks[i].sum())
+        if 0.0 < part < size:
+            said[i] = inside**2 / part + (total - inside) ** 2 / (size - part)
+    most = max(said.values())
+    if said[every] >= NEARLY * most:
+        return tests[every][1], every
+    sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
+    best = max(sides, key=lambda i: float(masks[i] @ signature**2))
     return tests[best][1], best
 
 
