@@ -208,3 +208,12 @@ def test_no_experiment_asks_for_more_voltage_than_the_campaign_had(plain):
         100.0,
         150.0,
     ]
+
+
+def test_parameters_of_a_candidate_that_the_model_has_are_reported_and_the_config_says_how_many_campaigns():
+    given = inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5})
+    study = Study(replace(given, effects=(*BASE, "series_compliance")), load_thresholds(), seed=3)
+    document = conclude(study, [study.weigh(())], campaigns=20)
+    assert document["absorbed"]["series_compliance.compliance"]["before"] == pytest.approx(2.5e-5, rel=0.2)
+    p_values = [entry["p_value"] for entry in document["gap"]["by_observable"].values()]
+    assert min(p_values) >= 1 / 21 and np.allclose(21 * np.array(p_values), np.round(21 * np.array(p_values)))

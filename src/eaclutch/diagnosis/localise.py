@@ -1,10 +1,10 @@
 """Where the gap lies: observable x factor x level, its share of what can be closed, and what it is confounded with.
 
-All p-values come from the same simulated campaigns as the gate's, adjusted for the whole table at once. The
-table that is tested is larger than the one that is shown: every observable with every two-way split of every
-factor, besides "all". Where an effect is named, its place is where it acts; where none fits, it is where the nameless
-smooth term departs from the base model. Repeats and sessions scatter around that: a place that noise alone would not
-have shown has a large p-value.
+All p-values come from campaigns simulated from the fit whose errors are looked at, adjusted for the whole table at
+once. The table that is tested is larger than the one that is shown: every observable with every two-way split of
+every factor, besides "all". Where an effect is named, its place is the split that says most of what the effect does;
+where none fits, of how the nameless smooth term departs from the base model. Repeats and sessions scatter around
+that: a place that noise alone would have shown has a large p-value.
 """
 
 from __future__ import annotations
@@ -146,7 +146,7 @@ def localise(
         found = (
             _place(name, tests, masks, excess, p_values, level)
             if signature is None
-            else _seat(name, tests, masks, signature)
+            else _where_it_acts(name, tests, masks, signature)
         )
         if found is not None:
             test, index = found
@@ -196,7 +196,7 @@ def _place(
     return tests[best][1], best
 
 
-def _seat(
+def _where_it_acts(
     name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, signature: FloatArray
 ) -> tuple[Split, int] | None:
     """Where what is known to act on an observable does, or None where it does nothing there.
