@@ -21,7 +21,7 @@ def conditions(
     return RunConditions(
         run=names, session=("benchmark",) * n, condition=names, substrate=("brass",) * n, voltage=voltage,
         frequency=frequency, width=width, thickness=thickness, friction_before=friction,
-        switch_off_force=np.full(n, np.nan), drive_duration=np.full(n, 3.0), dwell=np.zeros(n),
+        switch_off_force=np.full(n, np.nan), drive_duration=np.full(n, 3.0), dwell=np.full(n, 0.003),
         run_order=np.arange(n, dtype=float),
     )  # fmt: skip
 

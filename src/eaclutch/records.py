@@ -178,8 +178,9 @@ class RunConditions:
     """What a model needs to know of each run to predict it; every array has shape (runs,).
 
     voltage [V], frequency [Hz] (0.1 = DC), width, thickness [m], friction_before [N] (measured, less the
-    zero; gives the preload), switch_off_force [N] (measured, less the zero: the load train's state when the
-    voltage falls; NaN = let the model's own stick-slip decide), drive_duration [s] (voltage on to off),
+    zero; gives the preload), switch_off_force [N] (measured, less the zero: the median of the last 3 ms; where the
+    stage still moved, the load train stands higher when the voltage falls; NaN = let the model's own stick-slip
+    decide), drive_duration [s] (voltage on to off),
     dwell [s] (rest before the voltage falls: the stage already stands), run_order (0.. in the session),
     session, condition, run, substrate: names; session_number (0.. in order of the first run of each session,
     filled in where it is not given, and kept by ``select``: a part of a campaign numbers them as the whole does).

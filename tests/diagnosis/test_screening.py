@@ -9,7 +9,13 @@ import pytest
 
 from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.repeatability import pooled_variance, session_share
-from eaclutch.diagnosis.screening import reaches, scaled_column, slips_at_switch_off
+from eaclutch.diagnosis.screening import (
+    misplaced,
+    moved_into_step,
+    reaches,
+    scaled_column,
+    slips_at_switch_off,
+)
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.weigh import NONE, probabilities
 
@@ -33,6 +39,22 @@ def test_a_zero_that_the_fit_knows_is_no_uncertainty_of_a_run():
     np.testing.assert_allclose(scaled_column(table, channel)[1], [0.03, 0.01])
     table["slip_fraction_sd_zero_known"] = [0.02, np.nan]
     np.testing.assert_allclose(scaled_column(table, channel)[1], [0.02, 0.01])
+
+
+def test_a_force_that_was_moved_back_by_too_much_stands_apart_from_its_condition():
+    """Lines lost in small pieces: a release 1.6 ms late in a session that has no repeat of it; an effect that delays
+    one session's runs, and a moved run among its like, stay."""
+    rng = np.random.default_rng(5)
+    conditions, residual = np.repeat(np.arange(8), 3), rng.normal(0.0, 0.05, 24)
+    flags = np.full(24, "", dtype=object)
+    flags[[4, 7, 10]] = "force_lines_lost;force_realigned_from_release", "force_realigned;no_zero", np.nan
+    moved = moved_into_step(pd.DataFrame({"flags": flags}))
+    assert np.flatnonzero(moved).tolist() == [4, 7]
+    residual[4] += 3.2
+    residual[20] += 3.2
+    assert np.flatnonzero(misplaced(residual, np.full(24, 0.05), conditions, moved)).tolist() == [4]
+    assert not misplaced(residual, np.full(24, 0.05), np.arange(24), moved).any()
+    assert not moved_into_step(pd.DataFrame({"run": ["a"]})).any()
 
 
 @dataclass(frozen=True)

@@ -47,7 +47,7 @@ def test_gaps_and_capacity_against_the_definitions(model, runs):
 
 def test_driven_run_by_hand(model, runs):
     """Ramp k v, sawtooth slope zero on average, slip depth from the damping ratio, expected force in its middle."""
-    p = model.predict(runs(), {"slip_phase": 0.0})
+    p = model.predict(runs(dwell=0.01), {"slip_phase": 0.0})
     k, b, m = 18018.0, 0.4274, 0.0011004
     assert p.values["ramp_rate_n_s"][0, 0] == pytest.approx(k * 0.5e-3)
     strip, film = 8049.0 * 0.1 * 4e-6, 1780.0 * 24e-6 * 55.5e-3 * 2e-3
@@ -61,6 +61,25 @@ def test_driven_run_by_hand(model, runs):
     short = model.predict(runs(drive_duration=0.02))
     assert short.status["capacity"][0, 0] == Status.never_slips
     assert short.values["shear_capacity_n"][0, 0] == pytest.approx(k * 0.5e-3 * 0.02)
+
+
+def test_the_stage_goes_on_after_the_level_that_a_release_is_counted_from(model, runs):
+    """The force at switch-off is the median of 3 ms, in which the strip sticks to the moving stage: a release starts
+    from a force 1.5 ms of the climb higher, and each time is that to the level counted from the median."""
+    climb, level = 18018.0 * 0.5e-3 * 1.5e-3, 0.3
+    moving, resting = runs(switch_off_force=level), runs(switch_off_force=level + climb, dwell=0.01)
+    p = model.predict(moving)
+    time = np.linspace(1e-9, 2e-3, 20001)
+    force = model.history(resting, 0, {}, 3.0 + time)
+    np.testing.assert_allclose(model.history(moving, 0, {}, 3.0 + time), force, atol=1e-9)
+    for share in (10, 50, 90):
+        crossed = level - 0.01 * share * (level - p.values["final_force_n"][0, 0])
+        at = np.interp(-crossed, -force[: np.argmin(force)], time[: np.argmin(force)])
+        assert p.values[f"release_time_{share}_s"][0, 0] == pytest.approx(at, abs=2e-7)
+    early = model.predict(runs(switch_off_force=level, dwell=0.01)).values["release_time_10_s"][0, 0]
+    assert p.values["release_time_10_s"][0, 0] > early + 1.5e-5
+    own = [model.predict(runs(dwell=d)).values["switch_off_force_n"][0, 0] for d in (0.0, 0.0005, 0.01)]
+    assert own[2] - own[0] == pytest.approx(climb) and own[2] - own[1] == pytest.approx(climb / 1.5)
 
 
 def test_a_larger_static_friction_falls_as_the_law_of_slips_says(model, runs):
@@ -119,7 +138,7 @@ def test_pull_in_and_never_slips_are_named(model, runs):
     assert (soft.status["release"] == Status.pull_in).all() and np.isnan(
         soft.values["shear_capacity_n"]
     ).all()
-    low = model.predict(runs(switch_off_force=0.05))
+    low = model.predict(runs(switch_off_force=0.05, dwell=0.01))
     assert low.status["release"][0, 0] == Status.never_slips
     assert low.values["final_force_n"][0, 0] == pytest.approx(0.05)
     assert np.isnan(low.values["release_time_90_s"][0, 0])

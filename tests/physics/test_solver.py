@@ -52,7 +52,7 @@ def test_release_with_an_effect(name, runs, bench):
     model = ClutchModel(bench, (*BASE, name))
     rng = np.random.default_rng(7)
     values = EFFECTS[name].draw(rng) | OPENED[name]
-    conditions = runs(voltage=250.0, frequency=10.0, switch_off_force=0.9, friction_before=0.1)
+    conditions = runs(voltage=250.0, frequency=10.0, switch_off_force=0.9, friction_before=0.1, dwell=0.05)
     parameters = {f"{name}.{key}": value for key, value in values.items()}
     p = model.predict(conditions, parameters)
     base = ClutchModel(bench).predict(conditions)

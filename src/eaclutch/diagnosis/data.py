@@ -23,7 +23,15 @@ from eaclutch.diagnosis.repeatability import (
     run_variance,
     session_share,
 )
-from eaclutch.diagnosis.screening import reaches, scaled_column, slips_at_switch_off, stray, zero_unknown
+from eaclutch.diagnosis.screening import (
+    misplaced,
+    moved_into_step,
+    reaches,
+    scaled_column,
+    slips_at_switch_off,
+    stray,
+    zero_unknown,
+)
 from eaclutch.diagnosis.switch_timing import shared_edge_sd
 from eaclutch.records import FloatArray, RunConditions
 
@@ -98,6 +106,7 @@ def build(
     """
     groups = _labels([f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)])
     bins = np.digitize(estimated_preload(table, conditions), PRELOAD_EDGES)
+    labels, moved = _labels(conditions.condition), moved_into_step(table)
     slipping = slips_at_switch_off(table, quarter_swing)
     entries, values, repeats = [], [], {}
     kept: list[Any] = []
@@ -110,6 +119,7 @@ def build(
             scaled = np.where(slipping, np.nan, scaled)
         if explained is not None:
             scaled = np.where(stray(scaled - explained[i], sd, groups), np.nan, scaled)
+            scaled = np.where(misplaced(scaled - explained[i], sd, labels, moved), np.nan, scaled)
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
         repeat, spread = pooled_variance(scaled, conditions.friction_before, groups, bins), scaled

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pandas as pd
 
@@ -35,9 +37,19 @@ def scaled_column(table: pd.DataFrame, channel: Channel) -> tuple[FloatArray, Fl
 
 def zero_unknown(table: pd.DataFrame) -> np.ndarray:
     """Runs (runs,) that do not show the load cell's zero: their forces still hold it (contract: observables)."""
+    return _flagged(table, lambda flag: flag == "no_zero")
+
+
+def moved_into_step(table: pd.DataFrame) -> np.ndarray:
+    """Runs (runs,) whose force lost lines and was moved back by what its events tell: by some lines too many or too few
+    where those were lost in several small pieces, so their times may be wrong by milliseconds."""
+    return _flagged(table, lambda flag: flag.startswith("force_realigned"))
+
+
+def _flagged(table: pd.DataFrame, which: Callable[[str], bool]) -> np.ndarray:
     if "flags" not in table:
         return np.zeros(len(table), dtype=bool)
-    return np.array(["no_zero" in str(flags).split(";") for flags in table["flags"]], dtype=bool)
+    return np.array([any(map(which, str(flags).split(";"))) for flags in table["flags"]], dtype=bool)
 
 
 def slips_at_switch_off(table: pd.DataFrame, quarter_swing: float) -> np.ndarray:
@@ -65,6 +77,23 @@ def stray(residual: FloatArray, sd: FloatArray, groups: np.ndarray) -> np.ndarra
         1.4826 * float(np.median(np.abs(apart[known & (apart != 0)]))) if np.any(apart[known] != 0) else 0.0
     )
     return known & (np.abs(apart) > STRAY_SDS * np.hypot(spread, sd))
+
+
+def misplaced(residual: FloatArray, sd: FloatArray, conditions: np.ndarray, moved: np.ndarray) -> np.ndarray:
+    """Runs whose force was ``moved`` (runs,) back into step and that stand far from the other runs of their condition,
+    of whatever session: those scatter between sessions as well, so their own spread is the measure."""
+    whole = np.isfinite(residual) & ~moved
+    away = np.full(len(residual), np.nan)
+    for label in np.unique(conditions):
+        rows = np.flatnonzero((conditions == label) & np.isfinite(residual))
+        others = rows[whole[rows]]
+        if len(others) >= 2:
+            away[rows] = residual[rows] - np.median(residual[others])
+    if np.count_nonzero(whole & np.isfinite(away)) < 10:
+        return np.zeros(len(residual), dtype=bool)
+    others = np.abs(away[whole & np.isfinite(away)])
+    spread = 1.4826 * float(np.median(others[others > 0])) if np.any(others > 0) else 0.0
+    return moved & (np.nan_to_num(np.abs(away)) > STRAY_SDS * np.hypot(spread, sd))
 
 
 def reaches(table: pd.DataFrame, channel: Channel, ramp_rate: float) -> np.ndarray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from eaclutch.physics.kernels.batch import RESULTS, STATUSES, simulate, trace
 from eaclutch.physics.kernels.ramp import (
+    climb_since_level,
     driven_friction,
     force_after_hold,
     slip_bottom,
@@ -59,6 +60,7 @@ def run_history(
         if math.isnan(start["switch_off_force"]):
             start["switch_off_force"] = force_after_hold(row, held, out[15], out[1], table)
         else:  # the run is known to have ended at this force: the hold says so too
+            start["switch_off_force"] += climb_since_level(row)
             force[(time > stop) & (time <= off)] = start["switch_off_force"]
         _, n, level, _ = trace(start, table, tolerance, segments, work)
         delay = float(row["drive_delay"])

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.constants import g as GRAVITY
 
+from eaclutch.physics.kernels.ramp import LEVEL_SPAN
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import Bench, FloatArray, InputError, RunConditions
 
@@ -174,5 +175,5 @@ def design_conditions(bench: Bench, design: Design, grid: Mapping[str, FloatArra
         run=names, session=names, condition=names, substrate=(design.substrate,) * n,
         voltage=level("voltage_v", design.voltage_v), frequency=level("frequency_hz", design.frequency_hz),
         width=width, thickness=thickness, friction_before=before, switch_off_force=np.full(n, np.nan),
-        drive_duration=np.full(n, 3.0), dwell=np.zeros(n), run_order=np.zeros(n),
+        drive_duration=np.full(n, 3.0), dwell=np.full(n, LEVEL_SPAN), run_order=np.zeros(n),
     )  # fmt: skip

@@ -133,7 +133,10 @@ def test_what_gives_behind_the_sliding_face_slows_the_ramp_and_no_swing(runs: Ru
     assert np.count_nonzero(holds) == 5
     np.testing.assert_allclose(film["ramp_rate_n_s"][holds], mount["ramp_rate_n_s"][holds], rtol=1e-9)
     assert np.max(film["ramp_rate_n_s"][holds] / none["ramp_rate_n_s"][holds]) < 0.8
-    np.testing.assert_array_equal(film["release_time_90_s"], none["release_time_90_s"])
     assert np.nanmin(mount["release_time_90_s"] / none["release_time_90_s"]) > 1.05
+    # the stage rests before the release: what gives changes how far the force climbs in the last milliseconds
+    resting = dataclasses.replace(runs, dwell=np.full(len(runs), 0.05))
+    still, sheared = (model.predict(resting, given(c, 1.0)).values for c in (0.0, 2e-5))
+    np.testing.assert_array_equal(sheared["release_time_90_s"], still["release_time_90_s"])
     force = model.history(runs, 0, given(2e-5, 1.0), np.array([4e-3, 16e-3]))
     assert (force[1] - force[0]) / 12e-3 == pytest.approx(film["ramp_rate_n_s"][0, 0], rel=0.02)

@@ -9,7 +9,7 @@ from numba import prange
 
 from eaclutch.physics.kernels.compiled import compiled, compiled_parallel, threads, unmanaged
 from eaclutch.physics.kernels.engagement import engagement_time
-from eaclutch.physics.kernels.ramp import driven_run, force_after_hold
+from eaclutch.physics.kernels.ramp import climb_since_level, driven_run, force_after_hold
 from eaclutch.physics.kernels.readout import read_crossings
 from eaclutch.physics.kernels.release import final_force, release
 from eaclutch.physics.kernels.statics import (
@@ -79,13 +79,19 @@ def simulate(p, tables, engage, releasing, fraction, tolerance, segments, work, 
             status[1], time = engagement_time(p, out[0], out[1], out[2], fraction, tolerance, tables)
             if status[1] == OK:
                 out[9] = time + p.drive_delay
+    # as the rig reads it, a force at switch-off is the level of the last 3 ms
+    climb = climb_since_level(p)
+    out[14] -= climb
+    if math.isnan(p.switch_off_force):
+        out[4] -= climb
     if not releasing:
         return 0
+    start = out[4] + climb
     kind, n, rest_time, rest_force = release(
-        p, out[0], out[1], out[15], out[4], tolerance, tables, segments, work
+        p, out[0], out[1], out[15], start, tolerance, tables, segments, work
     )
     status[2] = kind
-    final = final_force(segments, n, rest_time, rest_force, out[4]) if kind != TIMED_OUT else math.nan
+    final = final_force(segments, n, rest_time, rest_force, start) if kind != TIMED_OUT else math.nan
     out[13] = final
     if kind != OK:
         return n
@@ -95,7 +101,7 @@ def simulate(p, tables, engage, releasing, fraction, tolerance, segments, work, 
         return n
     levels = work[0]
     levels[0], levels[1], levels[2] = out[4] - 0.1 * way, out[4] - 0.5 * way, out[4] - 0.9 * way
-    read_crossings(p, segments, n, out[4], levels[:3], out[10:13])
+    read_crossings(p, segments, n, start, levels[:3], out[10:13])
     out[10:13] += p.drive_delay
     if math.isnan(out[12]):
         status[2] = TIMED_OUT
@@ -131,7 +137,8 @@ def simulate_batch(rows, tables, engage, releasing, fraction, tolerance, out, st
 
 @compiled
 def trace(p, tables, tolerance, segments, work):
-    """(status, segments used, force at switch-off, force at rest) of one release, for its history."""
+    """(status, segments used, force at switch-off, force at rest) of one release, for its history; the row's force at
+    switch-off is the one at that instant."""
     out, status = np.empty(len(RESULTS)), np.empty(3, dtype=np.int64)
     out[:] = math.nan
     if not steady(p, tables, out, status):

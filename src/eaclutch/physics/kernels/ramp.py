@@ -8,6 +8,8 @@ from eaclutch.physics.kernels.compiled import compiled
 from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_force, held_field
 from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, frictions
 
+LEVEL_SPAN = 3e-3  # s before voltage off whose median is the force at switch-off (contract)
+
 
 @compiled
 def train_stiffness(p):
@@ -106,6 +108,13 @@ def driven_run(p, gap, gap_before, tables):
     early = ramp_slope(start, static, bottom, rate, p.drive_delay, 0.5e-3, 5e-3)
     late = ramp_slope(start, static, bottom, rate, p.drive_delay, 50e-3, 200e-3)
     return status, largest, switch_off, (static - bottom) / static, ramp, early, late, own
+
+
+@compiled
+def climb_since_level(p):
+    """By how much [N] the force stands above the median of its last 3 ms when the voltage falls: the stage goes on
+    until it rests, and the strip sticks to it."""
+    return stuck_stiffness(p) * p.stage_speed * max(0.5 * LEVEL_SPAN - p.dwell, 0.0)
 
 
 @compiled
