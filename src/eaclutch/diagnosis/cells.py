@@ -12,6 +12,8 @@ from eaclutch.diagnosis.data import DataVector, estimated_preload
 from eaclutch.diagnosis.repeatability import PRELOAD_EDGES, pooled_variance
 from eaclutch.records import FloatArray
 
+FEW = 5  # degrees of freedom below which repeats may agree by chance
+
 
 @dataclass(frozen=True)
 class Cells:
@@ -96,7 +98,8 @@ def repeat_variance(data: DataVector, native_variance: dict[str, float]) -> Floa
 def native_variances(table: pd.DataFrame, data: DataVector) -> tuple[dict[str, float], dict[str, int]]:
     """Repeat variance of a single run of each observable in its unit squared, and its degrees of freedom.
 
-    Without repeats the extractor's own variance stands in (degrees of freedom 0 say so).
+    Without repeats the extractor's own variance stands in (degrees of freedom 0 say so), and it is the least there is
+    where they are few: two runs that happen to agree would make any gap a huge one.
     """
     conditions = data.conditions
     keys = [f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)]
@@ -112,6 +115,8 @@ def native_variances(table: pd.DataFrame, data: DataVector) -> tuple[dict[str, f
             own = pd.to_numeric(table[f"{channel.name}_sd"], errors="coerce").to_numpy(dtype=float) ** 2
         typical = float(np.nanmedian(own)) if np.isfinite(own).any() else np.nan
         variance = repeat.variance if repeat.dof > 0 and repeat.variance > 0 else typical
+        if repeat.dof < FEW:
+            variance = np.fmax(variance, typical)
         if not np.isfinite(variance) or variance <= 0:
             variance = (0.01 * float(np.nanmean(np.abs(values)))) ** 2 + 1e-30
         variances[channel.name], dofs[channel.name] = variance, repeat.dof
