@@ -53,7 +53,9 @@ def test_a_force_that_was_moved_back_by_too_much_stands_apart_from_its_condition
     residual[4] += 3.2
     residual[20] += 3.2
     assert np.flatnonzero(misplaced(residual, np.full(24, 0.05), conditions, moved)).tolist() == [4]
-    assert not misplaced(residual, np.full(24, 0.05), np.arange(24), moved).any()
+    alone = conditions.copy()
+    alone[7] = 99  # no other run of its condition confirms it
+    assert np.flatnonzero(misplaced(residual, np.full(24, 0.05), alone, moved)).tolist() == [4, 7]
     assert not moved_into_step(pd.DataFrame({"run": ["a"]})).any()
 
 

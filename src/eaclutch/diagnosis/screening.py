@@ -80,20 +80,22 @@ def stray(residual: FloatArray, sd: FloatArray, groups: np.ndarray) -> np.ndarra
 
 
 def misplaced(residual: FloatArray, sd: FloatArray, conditions: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """Runs whose force was ``moved`` (runs,) back into step and that stand far from the other runs of their condition,
-    of whatever session: those scatter between sessions as well, so their own spread is the measure."""
+    """Runs whose force was ``moved`` (runs,) back into step and that no other run of their condition, of whatever
+    session, confirms: they stand far from those (which scatter between sessions as well, so their own spread is the
+    measure), or there are none."""
     whole = np.isfinite(residual) & ~moved
-    away = np.full(len(residual), np.nan)
+    away = np.full(len(residual), np.inf)
+    apart = []
     for label in np.unique(conditions):
         rows = np.flatnonzero((conditions == label) & np.isfinite(residual))
         others = rows[whole[rows]]
-        if len(others) >= 2:
-            away[rows] = residual[rows] - np.median(residual[others])
-    if np.count_nonzero(whole & np.isfinite(away)) < 10:
-        return np.zeros(len(residual), dtype=bool)
-    others = np.abs(away[whole & np.isfinite(away)])
-    spread = 1.4826 * float(np.median(others[others > 0])) if np.any(others > 0) else 0.0
-    return moved & (np.nan_to_num(np.abs(away)) > STRAY_SDS * np.hypot(spread, sd))
+        if len(others):
+            away[rows] = np.abs(residual[rows] - np.median(residual[others]))
+        if len(others) > 1:
+            apart.append(away[others])
+    scatter = np.concatenate(apart) if apart else np.zeros(0)
+    spread = 1.4826 * float(np.median(scatter[scatter > 0])) if np.any(scatter > 0) else 0.0
+    return moved & np.isfinite(residual) & (away > STRAY_SDS * np.hypot(spread, sd))
 
 
 def reaches(table: pd.DataFrame, channel: Channel, ramp_rate: float) -> np.ndarray:
