@@ -114,6 +114,27 @@ def test_no_run_speaks_for_an_entry_that_does_not_average_it():
         assert few.rows[few.place[i]] in used
 
 
+def test_a_run_that_was_moved_back_to_the_wrong_place_shows_no_release():
+    """One of its times contradicts the other runs of its condition; one that is too uncertain to say so is as wrong."""
+    given = inputs()
+    table = given.table.copy()
+    table["flags"] = ""
+    wrong, right = table.index[[1, 2]]
+    table.loc[[wrong, right], "flags"] = "force_realigned_from_release"
+    table.loc[wrong, ["release_time_50_s", "release_time_90_s"]] += 3e-3
+    table.loc[wrong, "release_time_50_s_sd"] = 1e-3
+    study = Study(replace(given, table=table), load_thresholds())
+    run = {
+        name: study.conditions.run.index(table.loc[row, "run"])
+        for name, row in (("wrong", wrong), ("right", right))
+    }
+    for channel, values in zip(study.data.channels, study.data.run_values, strict=True):
+        if channel.block == "release":
+            assert np.isnan(values[run["wrong"]]) and np.isfinite(values[run["right"]])
+        if channel.block == "capacity":
+            assert np.isfinite(values[run["wrong"]])
+
+
 def test_a_fit_that_stopped_short_is_made_again_from_where_others_stand():
     study = Study(
         inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}), load_thresholds(), seed=3

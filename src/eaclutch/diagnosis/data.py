@@ -24,12 +24,12 @@ from eaclutch.diagnosis.repeatability import (
     session_share,
 )
 from eaclutch.diagnosis.screening import (
-    misplaced,
-    moved_into_step,
+    COUNTED_BLOCKS,
     reaches,
     scaled_column,
     slips_at_switch_off,
     stray,
+    wrongly_moved,
     zero_unknown,
 )
 from eaclutch.diagnosis.switch_timing import shared_edge_sd
@@ -106,7 +106,7 @@ def build(
     """
     groups = _labels([f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)])
     bins = np.digitize(estimated_preload(table, conditions), PRELOAD_EDGES)
-    labels, moved = _labels(conditions.condition), moved_into_step(table)
+    contradicted = wrongly_moved(table, conditions.condition, channels, explained)
     slipping = slips_at_switch_off(table, quarter_swing)
     entries, values, repeats = [], [], {}
     kept: list[Any] = []
@@ -119,7 +119,8 @@ def build(
             scaled = np.where(slipping, np.nan, scaled)
         if explained is not None:
             scaled = np.where(stray(scaled - explained[i], sd, groups), np.nan, scaled)
-            scaled = np.where(misplaced(scaled - explained[i], sd, labels, moved), np.nan, scaled)
+        if channel.block in COUNTED_BLOCKS:
+            scaled = np.where(contradicted, np.nan, scaled)
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
         repeat, spread = pooled_variance(scaled, conditions.friction_before, groups, bins), scaled

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -13,6 +13,7 @@ from eaclutch.records import FloatArray
 # Of the load cell's quarter period; a tip that rests and loses all friction at once needs 0.29 and 0.67 of it.
 SLIPPING_SHARES = {"release_time_10_s": 0.17, "release_time_50_s": 0.4}
 STRAY_SDS = 6.0
+COUNTED_BLOCKS = ("ramp", "release")  # whose numbers hang on where the force stands against the voltage
 EARLY_SLIP = 0.15  # share of its largest force by which a run may slip too early
 
 
@@ -96,6 +97,20 @@ def misplaced(residual: FloatArray, sd: FloatArray, conditions: np.ndarray, move
     scatter = np.concatenate(apart) if apart else np.zeros(0)
     spread = 1.4826 * float(np.median(scatter[scatter > 0])) if np.any(scatter > 0) else 0.0
     return moved & np.isfinite(residual) & (away > STRAY_SDS * np.hypot(spread, sd))
+
+
+def wrongly_moved(
+    table: pd.DataFrame, conditions: Sequence[str], channels: Sequence[Channel], explained: FloatArray | None
+) -> np.ndarray:
+    """Runs (runs,) that were moved back into step to a place that some of what they show contradicts; nothing is known
+    of that before a first fit has ``explained`` (channels, runs) what differs from run to run."""
+    moved, labels = moved_into_step(table), np.array(conditions, dtype=str)
+    wrong = np.zeros(len(table), dtype=bool)
+    for i, channel in enumerate(channels):
+        if explained is not None and moved.any() and channel.block in COUNTED_BLOCKS:
+            scaled, sd = scaled_column(table, channel)
+            wrong |= misplaced(scaled - explained[i], sd, labels, moved)
+    return wrong
 
 
 def reaches(table: pd.DataFrame, channel: Channel, ramp_rate: float) -> np.ndarray:
