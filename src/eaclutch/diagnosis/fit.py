@@ -22,6 +22,7 @@ from eaclutch.diagnosis.evidence import marginal_evidence
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised
 from eaclutch.diagnosis.mode import Mode, find_mode, mode_at
+from eaclutch.physics.effects import EFFECTS
 from eaclutch.records import FloatArray
 
 SCOUTS = 64  # parameter sets of an effect tried before the fit
@@ -41,9 +42,9 @@ class HypothesisFit:
     effects: the candidates on top of the campaign's model. linearised: at the mode, with the covariance of
     the most probable multipliers; usual: the same with no wider a tolerance than an evidence may take.
     residual (entries,): measured less predicted at the mode. signature (entries,): how far the effects themselves
-    move the prediction. multipliers: the most probable (tolerance, session). log_evidence: nats, averaged over the
-    multipliers. peak: that of the most probable multipliers, however wide; fits of one hypothesis from different
-    starts are compared by it.
+    move the prediction; form: of that, what another form of their laws might move. multipliers: the most probable
+    (tolerance, session). log_evidence: nats, averaged over the multipliers. peak: that of the most probable
+    multipliers, however wide; fits of one hypothesis from different starts are compared by it.
     """
 
     effects: tuple[str, ...]
@@ -52,6 +53,7 @@ class HypothesisFit:
     usual: Linearised
     residual: FloatArray
     signature: FloatArray
+    form: FloatArray
     multipliers: tuple[float, float]
     log_evidence: float
     peak: float
@@ -89,9 +91,9 @@ def fit_hypothesis(
             tolerance, session = size
             if not forward.candidates:
                 return kernels.total(tolerance=tolerance, session=session)
-            signature = own_signature(forward, theta)
+            form = form_signature(forward, theta)
             return kernels.total(
-                tolerance=tolerance, session=session, signature=signature, signature_tolerance=share
+                tolerance=tolerance, session=session, signature=form, signature_tolerance=share
             )
 
         found = [
@@ -175,15 +177,15 @@ def _finish(
     mode: Mode,
     size: tuple[float, float],
 ) -> HypothesisFit:
-    signature = own_signature(forward, mode.theta)
+    signature, form = own_signature(forward, mode.theta), form_signature(forward, mode.theta)
     residual = data.values - mode.predicted
-    found = marginal_evidence(forward, data, kernels, thresholds, mode, signature)
+    found = marginal_evidence(forward, data, kernels, thresholds, mode, form)
     w = residual + mode.jacobian @ mode.u
 
     def linearised(tolerance: float) -> Linearised:
         covariance = kernels.total(
             tolerance=tolerance, session=found.multipliers[1],
-            signature=signature, signature_tolerance=thresholds["signature_tolerance"],
+            signature=form, signature_tolerance=thresholds["signature_tolerance"],
         )  # fmt: skip
         return Linearised(w, mode.jacobian, covariance)
 
@@ -191,7 +193,7 @@ def _finish(
     widest = max(thresholds["multipliers"]["tolerance"]["values"])
     usual = own if found.multipliers[0] <= widest else linearised(widest)
     return HypothesisFit(
-        forward.candidates, mode, own, usual, residual, signature,
+        forward.candidates, mode, own, usual, residual, signature, form,
         found.multipliers, found.log_evidence, found.peak, size,
     )  # fmt: skip
 
@@ -202,6 +204,19 @@ def own_signature(forward: Forward, theta: FloatArray) -> FloatArray:
         return np.zeros(len(forward.data))
     neutral = neutral_parameters(forward, theta)
     both = forward.representative.predict(np.stack([theta, neutral]))
+    return both[0] - both[1]
+
+
+def form_signature(forward: Forward, theta: FloatArray) -> FloatArray:
+    """``own_signature`` of the candidates whose law might have another form, (entries,)."""
+    loose = [
+        i
+        for i, parameter in enumerate(forward.parameters)
+        if forward.own(parameter.name) and not EFFECTS[parameter.name.split(".")[0]].exact
+    ]
+    if not loose:
+        return np.zeros(len(forward.data))
+    both = forward.representative.predict(np.stack([theta, neutral_parameters(forward, theta, loose)]))
     return both[0] - both[1]
 
 

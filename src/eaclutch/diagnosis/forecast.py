@@ -65,7 +65,8 @@ class Forecast:
         thresholds = study.thresholds
         prior = thresholds["prior"]
         named = (1.0 - prior["none"] - prior["unknown"]) / max(LIBRARY, len(self.clouds))
-        self.log_prior = np.log([named] * len(self.clouds) + [prior["unknown"], prior["none"]])
+        single = [named * prior["rarer"].get(name, 1.0) for name in study.candidates]
+        self.log_prior = np.log([*single, prior["unknown"], prior["none"]])
         self.log_lookalike = float(np.log(named * prior["lookalike_share"]))
         self.nameless_roots = [
             np.linalg.cholesky(self.covariance + self.kernels.tolerance * (factor**2 - 1.0))

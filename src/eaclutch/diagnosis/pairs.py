@@ -150,7 +150,7 @@ def _gains(study: Study, leader: HypothesisFit) -> dict[str, float]:
     usual = max(study.thresholds["multipliers"]["tolerance"]["values"])
     covariance = study.kernels.total(
         tolerance=min(tolerance, usual), session=session,
-        signature=leader.signature, signature_tolerance=study.thresholds["signature_tolerance"],
+        signature=leader.form, signature_tolerance=study.thresholds["signature_tolerance"],
     )  # fmt: skip
     linearised = replace(leader.linearised, covariance=covariance)
     factor, w = cho_factor(linearised.marginal(), lower=True), linearised.w

@@ -44,14 +44,14 @@ def with_remainder(
     """Evidence of ``fitted`` with a remainder, averaged over the two kinds; ``nameless``: its smooth terms where they
     are known already."""
     if nameless is None:
-        nameless = nameless_fit(fitted.linearised, data, kernels, thresholds, fitted.signature)
+        nameless = nameless_fit(fitted.linearised, data, kernels, thresholds, fitted.form)
     share = float(thresholds["modulated"]["share"])
     here = _Place(fitted.mode, fitted.linearised.w, fitted.linearised.jacobian)
     smooth, _ = _kept(forward, data, here, nameless.linearised, nameless.log_evidence)
     smooth += np.log1p(-share)
     found = Remainder(float(smooth), nameless.discrepancy)
     covariance = kernels.total(
-        signature=fitted.signature, signature_tolerance=float(thresholds["signature_tolerance"])
+        signature=fitted.form, signature_tolerance=float(thresholds["signature_tolerance"])
     )
     for _ in range(PLACES):
         linearised = Linearised(here.w, here.jacobian, covariance)

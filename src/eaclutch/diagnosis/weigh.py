@@ -105,7 +105,8 @@ def _scores(
     counted, temperature = counted_evidence(results, thresholds), float(thresholds["temperature"])
 
     def score(result: CandidateResult) -> float:
-        return counted(result) / temperature + float(np.log(share[len(result.effects)]))
+        rarer = sum(float(np.log(prior["rarer"].get(name, 1.0))) for name in result.effects)
+        return counted(result) / temperature + float(np.log(share[len(result.effects)])) + rarer
 
     nameless = max(r.log_evidence_without_open for r in results) / temperature + float(
         np.log(prior["unknown"])

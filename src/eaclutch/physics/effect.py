@@ -89,7 +89,7 @@ class Effect:
     ``apply(sockets, inputs, values)``: new sockets; ``values`` maps the effect's parameter names (without the
     prefix) to arrays that broadcast to (draws, runs). ``draw(rng)``: a plausible random parameter set for
     studies. ``role``: the base model has it on; a candidate may be named; a lookalike is what a bench may do that the
-    library has no name for: it competes, and what it wins is ``unknown``'s.
+    library has no name for: it competes, and what it wins is ``unknown``'s. ``exact``: its law has no other form.
     """
 
     name: str
@@ -102,6 +102,7 @@ class Effect:
     validity: str
     apply: Callable[[Sockets, Inputs, Mapping[str, FloatArray]], Sockets]
     draw: Callable[[np.random.Generator], dict[str, float]]
+    exact: bool = False
 
 
 STRENGTH = Parameter(

@@ -41,4 +41,5 @@ EFFECT = Effect(
     draw=lambda rng: {
         "capacitance": rng.uniform(2e-12, 2e-11),
     },
+    exact=True,  # capacitances in parallel add
 )
