@@ -15,7 +15,8 @@ WIDTHS = {2.0: 2.0, 2.5: 2.5, 3.0: 3.0, 4.0: 2.0, 5.0: 2.5, 6.0: 3.0}  # mm: thi
 def conditions(
     voltage: FloatArray, frequency: FloatArray, width: FloatArray, thickness: FloatArray, friction: FloatArray
 ) -> RunConditions:
-    """Runs [V, Hz, m, m, N] of 3 s, each (runs,); the force at switch-off is the model's own."""
+    """Runs [V, Hz, m, m, N] of 3 s, each (runs,); the force at switch-off is the model's own, and no lower in the 3 ms
+    before, for the stage has stopped."""
     n = len(voltage)
     names = tuple(f"draw{i}" for i in range(n))
     return RunConditions(

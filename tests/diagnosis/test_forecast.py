@@ -87,7 +87,7 @@ def test_what_a_lookalike_does_is_unknown_to_the_forecast_too(forecast, monkeypa
     shifts = scout_shifts(study.forward(("readout_lag",)), study.base)[0]
     distance = np.linalg.norm(forecast._whiten(shifts), axis=1)
     shift = shifts[np.argmax(distance)] * min(1.0, 12.0 / distance.max())
-    data = forecast.simulate(shift, 200, np.random.default_rng(8))
+    data = forecast.simulate(shift, 200, np.random.default_rng(8), 0.2)
     unknown = forecast.names.index("unknown")
     assert np.mean(forecast.verdicts(data) == unknown) > 0.9
     monkeypatch.setattr(forecast, "lookalikes", [])
@@ -99,7 +99,7 @@ def test_the_odds_of_unknown_count_in_the_forecast_as_in_a_verdict(forecast, mon
     study = forecast.study
     shift = scout_shifts(study.forward(("trigger_latency",)), study.base)[0][0]
     shift *= 6.0 / np.linalg.norm(forecast._whiten(shift[None]))
-    data = forecast.simulate(shift, 200, np.random.default_rng(9))
+    data = forecast.simulate(shift, 200, np.random.default_rng(9), 0.2)
     found = {}
     for odds in (1.0, 50.0):
         monkeypatch.setattr(study, "thresholds", study.thresholds | {"unknown_odds": odds})

@@ -80,6 +80,8 @@ def test_the_stage_goes_on_after_the_level_that_a_release_is_counted_from(model,
     assert p.values["release_time_10_s"][0, 0] > early + 1.5e-5
     own = [model.predict(runs(dwell=d)).values["switch_off_force_n"][0, 0] for d in (0.0, 0.0005, 0.01)]
     assert own[2] - own[0] == pytest.approx(climb) and own[2] - own[1] == pytest.approx(climb / 1.5)
+    sliding = [model.predict(runs(voltage=0.0, dwell=d)).values["switch_off_force_n"] for d in (0.0, 0.01)]
+    np.testing.assert_array_equal(*sliding)  # without a voltage nothing sticks
 
 
 def test_a_larger_static_friction_falls_as_the_law_of_slips_says(model, runs):

@@ -177,7 +177,12 @@ def _finish(
     mode: Mode,
     size: tuple[float, float],
 ) -> HypothesisFit:
-    signature, form = own_signature(forward, mode.theta), form_signature(forward, mode.theta)
+    signature = own_signature(forward, mode.theta)
+    form = (
+        form_signature(forward, mode.theta)
+        if any(EFFECTS[e].exact for e in forward.candidates)
+        else signature
+    )
     residual = data.values - mode.predicted
     found = marginal_evidence(forward, data, kernels, thresholds, mode, form)
     w = residual + mode.jacobian @ mode.u

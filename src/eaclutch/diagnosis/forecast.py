@@ -82,7 +82,7 @@ class Forecast:
         return solve_triangular(self.root, w.T, lower=True).T
 
     def _cloud(self, name: str, shifts: FloatArray) -> Cloud:
-        share = float(self.study.thresholds["signature_tolerance"])
+        share = self._law_share(name)
         white = self._whiten(shifts)
         spread = np.empty((*white.shape, LAW_DIRECTIONS + 1))
         for i, shift in enumerate(share * shifts):
@@ -142,9 +142,14 @@ class Forecast:
             scores[i] = -0.5 * (np.sum(difference**2, axis=1) - explained) - log_det
         return logsumexp(scores, axis=0) - np.log(len(scores))
 
-    def simulate(self, shift: FloatArray, replicas: int, rng: np.random.Generator) -> FloatArray:
-        """Data (replicas, entries) with an effect that moves them by ``shift`` (entries,), its law a little off."""
-        share = self.study.thresholds["signature_tolerance"]
+    def _law_share(self, name: str) -> float:
+        """By what share of its signature an effect's own law may be off."""
+        return 0.0 if EFFECTS[name].exact else float(self.study.thresholds["signature_tolerance"])
+
+    def simulate(
+        self, shift: FloatArray, replicas: int, rng: np.random.Generator, share: float
+    ) -> FloatArray:
+        """Data (replicas, entries) with an effect that moves them by ``shift`` (entries,), its law off by ``share``."""
         total = self.covariance + self.kernels.smooth * np.outer(share * shift, share * shift)
         root = np.linalg.cholesky(total)
         return shift + rng.standard_normal((replicas, len(shift))) @ root.T
@@ -171,12 +176,13 @@ class Forecast:
 
     def document(self, rng: np.random.Generator) -> dict[str, Any]:
         """confusion.json: {truth: {verdict: probability}}, limits, which effects are identifiable."""
-        none = self.simulate(np.zeros(len(self.study.data)), NONE_REPLICAS, rng)
+        none = self.simulate(np.zeros(len(self.study.data)), NONE_REPLICAS, rng, 0.0)
         matrix = {"none": self._share(self.verdicts(none))}
         limits = {}
         for name in self.study.candidates:
             draws, shifts = self.true_shifts(name, rng)
-            data = np.concatenate([self.simulate(shift, REPLICAS, rng) for shift in shifts])
+            share = self._law_share(name)
+            data = np.concatenate([self.simulate(shift, REPLICAS, rng, share) for shift in shifts])
             matrix[name] = self._share(self.verdicts(data))
             limits[name] = self._limit(name, draws, shifts, rng)
         return {
@@ -199,7 +205,7 @@ class Forecast:
         index = self.names.index(name)
         right = []
         for size in SIZES:
-            data = self.simulate(size * shifts[typical], 4 * REPLICAS, rng)
+            data = self.simulate(size * shifts[typical], 4 * REPLICAS, rng, self._law_share(name))
             right.append(float(np.mean(self.verdicts(data) == index)))
         sure = [i for i in range(len(SIZES)) if right[i] >= SURE]
         size = float(SIZES[sure[0]]) if sure else None

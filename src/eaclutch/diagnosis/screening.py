@@ -74,10 +74,12 @@ def stray(residual: FloatArray, sd: FloatArray, groups: np.ndarray) -> np.ndarra
     known = np.isfinite(apart)
     if np.count_nonzero(known) < 10:
         return np.zeros(len(residual), dtype=bool)
-    spread = (
-        1.4826 * float(np.median(np.abs(apart[known & (apart != 0)]))) if np.any(apart[known] != 0) else 0.0
-    )
-    return known & (np.abs(apart) > STRAY_SDS * np.hypot(spread, sd))
+    return known & (np.abs(apart) > STRAY_SDS * np.hypot(_spread(np.abs(apart[known])), sd))
+
+
+def _spread(away: FloatArray) -> float:
+    """Robust sd of runs from their distances to a median; those that are the median say nothing, 0 if all are."""
+    return 1.4826 * float(np.median(away[away > 0])) if np.any(away > 0) else 0.0
 
 
 def misplaced(residual: FloatArray, sd: FloatArray, conditions: np.ndarray, moved: np.ndarray) -> np.ndarray:
@@ -94,8 +96,7 @@ def misplaced(residual: FloatArray, sd: FloatArray, conditions: np.ndarray, move
             away[rows] = np.abs(residual[rows] - np.median(residual[others]))
         if len(others) > 1:
             apart.append(away[others])
-    scatter = np.concatenate(apart) if apart else np.zeros(0)
-    spread = 1.4826 * float(np.median(scatter[scatter > 0])) if np.any(scatter > 0) else 0.0
+    spread = _spread(np.concatenate(apart)) if apart else 0.0
     return moved & np.isfinite(residual) & (away > STRAY_SDS * np.hypot(spread, sd))
 
 

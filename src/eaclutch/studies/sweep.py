@@ -171,6 +171,7 @@ def design_conditions(bench: Bench, design: Design, grid: Mapping[str, FloatArra
     on_film, on_base = friction.film_kinetic.mean, friction.base_kinetic.mean
     before = (on_film + on_base) * preload + GRAVITY * (on_base * substrate_mass + on_film * film_mass)
     names = ("design",) * n
+    # the stage has stopped: a release starts from the very force that a design states
     return RunConditions(
         run=names, session=names, condition=names, substrate=(design.substrate,) * n,
         voltage=level("voltage_v", design.voltage_v), frequency=level("frequency_hz", design.frequency_hz),

@@ -113,7 +113,9 @@ def driven_run(p, gap, gap_before, tables):
 @compiled
 def climb_since_level(p):
     """By how much [N] the force stands above the median of its last 3 ms when the voltage falls: the stage goes on
-    until it rests, and the strip sticks to it."""
+    until it rests, and the strip sticks to it; without a voltage it slides."""
+    if p.voltage == 0.0:
+        return 0.0
     return stuck_stiffness(p) * p.stage_speed * max(0.5 * LEVEL_SPAN - p.dwell, 0.0)
 
 
