@@ -222,15 +222,15 @@ def test_an_effect_is_as_likely_beforehand_beside_few_others_as_beside_many():
 
 
 def test_a_session_drift_must_gain_more_than_sessions_always_differ_by():
-    """10 nats make any other effect a name and no drift; the same holds for a drift beside another effect."""
+    """8 nats make any other effect a name and no drift; the same holds for a drift beside another effect."""
     thresholds = load_thresholds()
 
     def said(*found):
         weights = probabilities([weighed(NONE, 0.0), *found], thresholds)
         return max(weights, key=weights.__getitem__)
 
-    assert said(weighed(("gap_tilt",), 10.0)) == ("gap_tilt",)
-    assert said(weighed(("session_drift",), 10.0)) == NONE
+    assert said(weighed(("gap_tilt",), 8.0)) == ("gap_tilt",)
+    assert said(weighed(("session_drift",), 8.0)) == NONE
     assert said(weighed(("session_drift",), 20.0)) == ("session_drift",)
     late, both = ("trigger_latency",), ("session_drift", "trigger_latency")
     assert said(weighed(late, 30.0), weighed(both, 38.0)) == late

@@ -12,7 +12,7 @@ import yaml
 from eaclutch.records import InputError
 
 DEFAULT = Path(__file__).with_name("thresholds.yaml")
-REQUIRED = ("provenance", "session_sd", "tolerance", "scatter", "shared", "repeat_sd",
+REQUIRED = ("provenance", "session_sd", "session_together", "tolerance", "scatter", "shared", "repeat_sd",
             "within_block_correlation", "tolerance_shares", "length_scales", "signature_tolerance", "multipliers",
             "nameless", "modulated", "remainder_cost", "pair_widening", "against_unknown", "misfit_share",
             "widening", "narrowing_weight", "prior", "priors", "temperature", "verdict")  # fmt: skip

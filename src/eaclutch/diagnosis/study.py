@@ -25,6 +25,7 @@ from eaclutch.diagnosis.nameless import Nameless, nameless_fit
 from eaclutch.diagnosis.readings import of_the_reading
 from eaclutch.diagnosis.remainder import Remainder, with_remainder
 from eaclutch.diagnosis.result import CandidateResult, summarise
+from eaclutch.diagnosis.session_moves import session_moves, with_sessions
 from eaclutch.physics.effects import EFFECTS, LOOKALIKES, NAMED
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.prediction import OBSERVABLES
@@ -123,7 +124,8 @@ class Study:
         self.data = first
         if self.data.run_entries == 0:
             raise InputError("runs.csv", "no observable can be compared", "look at its flags and reasons")
-        self.kernels: Kernels = kernels(self.data, thresholds)
+        moves = session_moves(self.forward(()), self.first_fit, thresholds["session_together"])
+        self.kernels: Kernels = with_sessions(kernels(self.data, thresholds), self.data.session, moves)
         variances, self.dof = native_variances(self.table, self.data)
         self.cells: Cells = cells_of(self.data, variances)
         self.repeat_variance = repeat_variance(self.data, variances)

@@ -1,0 +1,52 @@
+"""What sessions differ by in one piece: a stiffer contact moves capacity, slips and releases of its session together.
+
+The session spread by block (covariance) knows nothing of that, and takes such a session for a cause.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from eaclutch.diagnosis.covariance import Kernels
+from eaclutch.diagnosis.forward import Forward
+from eaclutch.records import FloatArray
+
+STEP = 0.02  # of a parameter's logarithm
+STEEPEST = 10.0  # change of an entry per unit of that; a run on the verge of sticking jumps
+
+
+def session_moves(
+    forward: Forward, at: Mapping[str, float], terms: Sequence[Mapping[str, Any]]
+) -> FloatArray:
+    """How far one sd of each term moves the entries, (terms, entries).
+
+    forward: the campaign's own model; at: its parameters {name: value}; terms: [{sd, parameters}], the sd between
+    sessions of the logarithm of ``parameters``, which change together (thresholds). Bench entries do not move: another
+    mounting, with offsets of its own.
+    """
+    moves = np.zeros((len(terms), len(forward.data)))
+    n = forward.data.run_entries
+    for i, term in enumerate(terms):
+        names = [name for name in term["parameters"] if name in at]
+        if not names:
+            continue
+        points = {name: np.full(3, value) for name, value in at.items()}
+        for name in names:
+            points[name] = at[name] * np.exp([-STEP, 0.0, STEP])
+        found = forward.representative.predict_named(points, 3)[:, :n]
+        behind, ahead = np.diff(found, axis=0) / STEP
+        # a jump lies on one side only (mode.columns)
+        slope = np.where(behind * ahead > 0, np.where(np.abs(behind) < np.abs(ahead), behind, ahead), 0.0)
+        moves[i, :n] = term["sd"] * np.where(np.abs(slope) < STEEPEST, slope, 0.0)
+    return moves
+
+
+def with_sessions(kernels: Kernels, sessions: np.ndarray, moves: FloatArray) -> Kernels:
+    """``kernels`` whose sessions also differ by ``moves`` (terms, entries), each session in its own way; sessions
+    (entries,): their names."""
+    same = sessions[:, None] == sessions[None, :]
+    return replace(kernels, session=kernels.session + (moves.T @ moves) * same)

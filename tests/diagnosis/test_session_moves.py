@@ -1,0 +1,63 @@
+"""What sessions differ by in one piece is no cause."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from diagnosis.simulated import inputs
+from eaclutch.diagnosis.session_moves import session_moves, with_sessions
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
+
+STIFFNESS = 5.4e14
+TERMS = [
+    {"sd": 0.05, "parameters": ["contact_stiffness"]},
+    {"sd": 0.1, "parameters": ["film_static", "film_kinetic"]},
+    {"sd": 0.1, "parameters": ["of_another_model"]},
+]
+
+
+@pytest.fixture(scope="module")
+def study():
+    return Study(inputs(), load_thresholds())
+
+
+def test_moves_are_what_the_model_says_of_one_sd(study):
+    forward, n = study.forward(()), study.data.run_entries
+    moves = session_moves(forward, study.first_fit, TERMS)
+    assert np.all(moves[:, n:] == 0.0) and np.all(moves[2] == 0.0)
+    stiffer = study.first_fit | {"contact_stiffness": study.first_fit["contact_stiffness"] * np.exp(0.05)}
+    both = [
+        forward.representative.predict_named({k: np.array([v]) for k, v in at.items()}, 1)[0, :n]
+        for at in (study.first_fit, stiffer)
+    ]
+    moved = both[1] - both[0]
+    assert np.any(np.abs(moved) > 1e-3)
+    steady = np.abs(moves[0, :n]) > 1e-4
+    assert np.median(np.abs(moves[0, :n] - moved)[steady] / np.abs(moved)[steady]) < 0.2
+    capacity = study.data.channel[:n] == "shear_capacity_n"
+    assert np.all(moves[1, :n][capacity] > 0.02)
+
+
+def test_each_session_differs_in_its_own_way(study):
+    sessions = np.array(["a", "a", "b"])
+    moves = np.array([[1.0, -2.0, 3.0]])
+    plain = replace(study.kernels, session=np.zeros((3, 3)))
+    found = with_sessions(plain, sessions, moves).session
+    assert np.allclose(found, [[1.0, -2.0, 0.0], [-2.0, 4.0, 0.0], [0.0, 0.0, 9.0]])
+
+
+def test_a_session_of_stiffer_contact_is_hardly_a_drift():
+    """By a quarter, five times the spread: observable by observable it gains far more than as what it is."""
+    given = replace(inputs(parameters={"contact_stiffness": STIFFNESS}), candidates=("session_drift",))
+    stiffer = inputs(parameters={"contact_stiffness": 1.25 * STIFFNESS}).table
+    second = given.table["session"] == given.table["session"].max()
+    assert second.any() and not second.all()
+    table = given.table.where(~second, stiffer)
+
+    def gain(**changes):
+        study = Study(replace(given, table=table), {**load_thresholds(), **changes})
+        return study.weigh(("session_drift",)).log_evidence - study.weigh(()).log_evidence
+
+    assert gain() < 0.5 * gain(session_together=[])
