@@ -107,6 +107,11 @@ CASES = {
         {"rate": 0.04, "voltage_exponent": 2.0},
         {"reading_drift": [0.04, 0.04, 0.01, 0.0]},
     ),
+    # 0.5 ms, 3 s, 50 ms, 0.5 ms over 50 ms: 0.00995017, 1, 0.63212056, 0.00995017 of a fifth of the field
+    "leaky_film": (
+        {"drained": 0.2, "leak_time": 0.05},
+        {"force_factor": [0.99602389, 0.64, 0.76313483, 0.99602389]},
+    ),
     "readout_lag": ({"time_constant": 3e-4}, {"readout_time": 3e-4}),
     # 0.5 * (0.1, 1e-5, 1e-3, 0.1)^2 and, 4 mm wide, twice that to the power 1/2: 0.005, .., 7.1e-7; a quarter of it
     # soon: 1 / 1.00125^2, .., then (1.00125 / 1.005)^2, ..
