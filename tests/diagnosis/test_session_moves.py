@@ -49,7 +49,7 @@ def test_each_session_differs_in_its_own_way(study):
 
 
 def test_a_session_of_stiffer_contact_is_hardly_a_drift():
-    """By a quarter, five times the spread: observable by observable it gains far more than as what it is."""
+    """By a quarter, seven times the spread: observable by observable it gains a name, and less than half of that so."""
     given = replace(inputs(parameters={"contact_stiffness": STIFFNESS}), candidates=("session_drift",))
     stiffer = inputs(parameters={"contact_stiffness": 1.25 * STIFFNESS}).table
     second = given.table["session"] == given.table["session"].max()
@@ -60,4 +60,5 @@ def test_a_session_of_stiffer_contact_is_hardly_a_drift():
         study = Study(replace(given, table=table), {**load_thresholds(), **changes})
         return study.weigh(("session_drift",)).log_evidence - study.weigh(()).log_evidence
 
-    assert gain() < 0.5 * gain(session_together=[])
+    apart = gain(session_together=[])
+    assert apart > 7.0 and gain() < 0.5 * apart

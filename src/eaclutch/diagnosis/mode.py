@@ -134,9 +134,13 @@ def columns(forward: Forward, u: FloatArray) -> FloatArray:
         other = forward.representative.predict(forward.priors.from_normal(behind))
         back = ((found[0] - other) / step[steep, None]).T
         ahead = slopes[:, steep]
-        agreed = np.where(np.abs(back) < np.abs(ahead), back, ahead)
-        slopes[:, steep] = np.where(np.abs(ahead) > STEEP, np.where(back * ahead > 0, agreed, 0.0), ahead)
+        slopes[:, steep] = np.where(np.abs(ahead) > STEEP, gentler(back, ahead), ahead)
     return slopes
+
+
+def gentler(back: FloatArray, ahead: FloatArray) -> FloatArray:
+    """The smaller of two slopes where both have the same sign, else 0 (minmod): a jump lies on one side only."""
+    return np.where(back * ahead > 0, np.where(np.abs(back) < np.abs(ahead), back, ahead), 0.0)
 
 
 def _cost(residual: FloatArray, u: FloatArray, factor: tuple) -> FloatArray:

@@ -13,6 +13,7 @@ import numpy as np
 
 from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.forward import Forward
+from eaclutch.diagnosis.mode import gentler
 from eaclutch.records import FloatArray
 
 STEP = 0.02  # of a parameter's logarithm
@@ -38,9 +39,7 @@ def session_moves(
         for name in names:
             points[name] = at[name] * np.exp([-STEP, 0.0, STEP])
         found = forward.representative.predict_named(points, 3)[:, :n]
-        behind, ahead = np.diff(found, axis=0) / STEP
-        # a jump lies on one side only (mode.columns)
-        slope = np.where(behind * ahead > 0, np.where(np.abs(behind) < np.abs(ahead), behind, ahead), 0.0)
+        slope = gentler(*np.diff(found, axis=0) / STEP)
         moves[i, :n] = term["sd"] * np.where(np.abs(slope) < STEEPEST, slope, 0.0)
     return moves
 

@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 
 from eaclutch.physics.sockets import Sockets
-from eaclutch.records import Bench, FloatArray, RunConditions
+from eaclutch.records import DC_LABEL, Bench, FloatArray, RunConditions
 
 Stage = Literal[
     "session", "drive", "dielectric", "electrostatics", "contact", "film", "friction", "load_train",
@@ -66,6 +66,13 @@ class Inputs:
     def relative_width(self) -> FloatArray:
         """Width over that of the narrowest strip of the published bench."""
         return self.conditions.width / REFERENCE_WIDTH
+
+    @property
+    def polarity_time(self) -> FloatArray:
+        """How long the drive holds one polarity [s]: half a period, and never longer than the drive itself (DC)."""
+        runs = self.conditions
+        half_wave = np.where(runs.frequency > DC_LABEL, 0.5 / runs.frequency, np.inf)
+        return np.minimum(half_wave, runs.drive_duration)
 
     def of_session(self, values: Sequence[FloatArray | float]) -> FloatArray:
         """The value of each run's session, of ``values`` in order of time; later sessions share the last one's."""

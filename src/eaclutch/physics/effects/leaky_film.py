@@ -10,15 +10,12 @@ import numpy as np
 
 from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
-from eaclutch.records import DC_LABEL, FloatArray
+from eaclutch.records import FloatArray
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """force_factor (1 - drained (1 - exp(-t_h / leak_time)))^2, t_h the time that one polarity lasts."""
-    conditions = inputs.conditions
-    half_wave = np.where(conditions.frequency > DC_LABEL, 0.5 / conditions.frequency, np.inf)
-    polarity_time = np.minimum(half_wave, conditions.drive_duration)
-    leaked = -np.expm1(-polarity_time / np.asarray(values["leak_time"]))
+    leaked = -np.expm1(-inputs.polarity_time / np.asarray(values["leak_time"]))
     return sockets.with_(
         force_factor=sockets.force_factor * (1.0 - np.asarray(values["drained"]) * leaked) ** 2
     )

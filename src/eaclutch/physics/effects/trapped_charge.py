@@ -16,7 +16,7 @@ import numpy as np
 
 from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
-from eaclutch.records import DC_LABEL, FloatArray
+from eaclutch.records import FloatArray
 
 LARGEST_RESIDUAL = 0.98
 REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
@@ -25,12 +25,9 @@ REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """Residual field r = a (V / V_0)^q t_h / (t_h + t_i) of the drive's, its decay, and force_factor (1 - s r)^2 while
     driven."""
-    conditions = inputs.conditions
-    half_wave = np.where(conditions.frequency > DC_LABEL, 0.5 / conditions.frequency, np.inf)
-    polarity_time = np.minimum(half_wave, conditions.drive_duration)
     injection_time = 0.5 / np.asarray(values["corner_frequency"])
-    filled = polarity_time / (polarity_time + injection_time)
-    stronger = (np.maximum(conditions.voltage, 1.0) / REFERENCE_VOLTAGE) ** np.asarray(
+    filled = inputs.polarity_time / (inputs.polarity_time + injection_time)
+    stronger = (np.maximum(inputs.conditions.voltage, 1.0) / REFERENCE_VOLTAGE) ** np.asarray(
         values["voltage_exponent"]
     )
     residual = np.minimum(values["residual_fraction"] * stronger * filled, LARGEST_RESIDUAL)
