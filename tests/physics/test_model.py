@@ -257,11 +257,21 @@ def test_the_fixture_may_be_straight_where_the_clutch_is_tilted(bench):
     force = np.array([0.2, 1.0, 4.0])
     tilt = {"gap_tilt.angle": 2e-3, "gap_tilt.fixture_share": 0.0}
     np.testing.assert_array_equal(tilted.capacitance(force, 2e-3, tilt), plain.capacitance(force, 2e-3))
-    wider = {"roughness_sd": np.hypot(plain.parameters["roughness_sd"].default, 0.5 * 4e-6 / np.sqrt(12.0))}
-    np.testing.assert_allclose(
-        tilted.capacitance(force, 2e-3, {**tilt, "gap_tilt.fixture_share": 0.5}),
-        plain.capacitance(force, 2e-3, wider),
+    half = tilted.capacitance(force, 2e-3, {**tilt, "gap_tilt.fixture_share": 0.5})
+    np.testing.assert_array_equal(
+        half, tilted.capacitance(force, 2e-3, {"gap_tilt.angle": 1e-3, "gap_tilt.fixture_share": 1.0})
     )
+    assert (half < plain.capacitance(force, 2e-3)).all()  # the highest parts of a tilted film bear it
+
+
+def test_the_fixture_may_stick_less_than_the_clutch(bench):
+    plain, sticky = ClutchModel(bench), ClutchModel(bench, (*BASE, "surface_adhesion"))
+    force = np.array([0.2, 1.0, 4.0])
+    pull = {"surface_adhesion.pressure": 1e5, "surface_adhesion.fixture_share": 0.0}
+    np.testing.assert_array_equal(sticky.capacitance(force, 2e-3, pull), plain.capacitance(force, 2e-3))
+    half = sticky.capacitance(force, 2e-3, {**pull, "surface_adhesion.fixture_share": 0.5})
+    np.testing.assert_array_equal(half, sticky.capacitance(force, 2e-3, {"surface_adhesion.pressure": 5e4}))
+    assert (half > plain.capacitance(force, 2e-3)).all()
 
 
 def test_same_numbers_on_any_number_of_cores(model, runs, monkeypatch):

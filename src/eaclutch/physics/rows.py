@@ -114,8 +114,7 @@ def fill_rows(
     """Rows (draws, runs) of the solver's record."""
     rows = np.empty((draws, len(conditions)), dtype=ROW)
     pad, width = bench.pad, conditions.width
-    spread = np.asarray(sockets.gap_spread_sd)
-    sigma = np.sqrt(values["roughness_sd"] ** 2 + spread**2) if spread.any() else values["roughness_sd"]
+    sigma = values["roughness_sd"]
     kappa = np.asarray(sockets.kappa_driven)
     multiplier = force_multiplier(values, conditions.voltage, form)
     fields: dict[str, ArrayLike] = {
@@ -133,6 +132,7 @@ def fill_rows(
         * sigma**1.5,
         "sigma": sigma,
         "inverse_sigma": 1.0 / sigma,
+        "gap_half_spread": np.sqrt(3.0) * np.asarray(sockets.gap_spread_sd),
         "film_mass": bench.film_density * values["film_thickness"] * pad.overlap_length * width,
         "damping": laws.squeeze_film_coefficient(pad.overlap_length, width) * sockets.damping_factor,
         "substrate_weight": laws.GRAVITY * substrate_mass(bench, conditions),

@@ -46,11 +46,12 @@ class Sockets:
     residual_decay_time: FloatArray | float = 1.0  # s
     # contact
     contact_factor: FloatArray | float = 1.0  # multiplies contact_stiffness
-    gap_spread_sd: FloatArray | float = (
-        0.0  # m; adds in quadrature to the roughness sd in contact and force (tilt)
-    )
+    gap_spread_sd: FloatArray | float = 0.0  # m; of an even spread of the gaps over the overlap (tilt)
     fixture_gap_spread_sd: FloatArray | float = 0.0  # m; the same on the capacitance fixture
     adhesion_force: FloatArray | float = 0.0  # N at full contact; acts as adhesion_force * ..
+    fixture_adhesion_force: FloatArray | float = (
+        0.0  # N; the same on the capacitance fixture, per the pad's overlap
+    )
     adhesion_range: FloatArray | float = 1.0  # .. Phi(-h / (adhesion_range sigma))
     # film
     film_weight: FloatArray | float = 0.0  # N; m_d g

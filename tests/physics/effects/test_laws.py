@@ -75,8 +75,12 @@ CASES = {
     ),
     # 11.1 N Phi(-2) / Phi(-0.8) = 11.1 N x 0.02275013 / 0.21185540
     "surface_adhesion": (
-        {"pressure": 1e5, "range_ratio": 2.5},
-        {"adhesion_force": [1.1919756, 1.1919756, 2.3839512, 1.1919756], "adhesion_range": 2.5},
+        {"pressure": 1e5, "range_ratio": 2.5, "fixture_share": 0.5},
+        {
+            "adhesion_force": [1.1919756, 1.1919756, 2.3839512, 1.1919756],
+            "fixture_adhesion_force": [0.5959878, 0.5959878, 1.1919756, 0.5959878],
+            "adhesion_range": 2.5,
+        },
     ),
     # a ramp of 1 N / (9.009 N/s) = 0.11100 s; rests of half of it plus 0.5 ms, 0 and 50 ms
     "contact_aging": (
@@ -232,7 +236,7 @@ def test_contact_ages_with_the_load_that_the_stage_takes_up(fill, inputs):
     )
 
 
-def test_gap_tilt_adds_in_quadrature(fill):
+def test_spreads_of_the_gap_join_by_their_variances(fill):
     filled = fill("gap_tilt", sockets=Sockets(gap_spread_sd=3e-6), angle=4e-6 * np.sqrt(12.0) / 2e-3)
     np.testing.assert_allclose(np.asarray(filled.gap_spread_sd)[0], 5e-6)
 

@@ -1,8 +1,8 @@
 """Gap tilt: over a tilted overlap the mean gap varies linearly, which spreads the gaps by a uniform distribution
-of sd angle w_s / sqrt(12) for a tilt across the width and lift / sqrt(12) for one end lifted along the strip.
-It adds in quadrature to the roughness, in contact and force alike. A strip that is free to turn levels under its
-preload P: the tilt is 1 / (1 + l P) of what it is without. The capacitance fixture, where the strip is pressed on the
-film by itself, has an unknown share of it."""
+of sd angle w_s / sqrt(12) for a tilt across the width and lift / sqrt(12) for one end lifted along the strip; both
+together are taken as one uniform spread of their joint sd. Contact, attraction and force are averaged over it. A strip
+that is free to turn levels under its preload P: the tilt is 1 / (1 + l P) of what it is without. The capacitance
+fixture, where the strip is pressed on the film by itself, has an unknown share of it."""
 
 from __future__ import annotations
 
@@ -70,9 +70,9 @@ EFFECT = Effect(
     ),
     reference=(
         "Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300, doi:10.1098/rspa.1966.0242 (distribution of "
-        "heights); variance of a uniform spread derived here"
+        "heights); average over a uniform spread derived here"
     ),
-    validity="spread up to a few roughness sds: its uniform shape is taken as Gaussian",
+    validity="half spread up to about two roughness sds; the squeezed air is that of a parallel gap",
     apply=apply,
     draw=lambda rng: {
         "angle": rng.uniform(2e-4, 2e-3),

@@ -27,7 +27,8 @@ def weakened(p, speed):
 
 @compiled
 def gap_at_load(p, load, tables):
-    """Gap at which the contact alone carries ``load`` [N]: Newton on log F_k, which is concave in h."""
+    """Gap at which the contact alone carries ``load`` [N]: Newton on log F_k, which is concave in h (a mean over an
+    even spread of gaps keeps it so)."""
     target = math.log(load / p.contact_scale)
     x = (
         math.sqrt(max(-2.0 * target - 1.8 * math.log(max(-2.0 * target, 1.0)) - 2.0, 0.0))
@@ -35,7 +36,11 @@ def gap_at_load(p, load, tables):
         else -1.0
     )
     for _ in range(60):
-        value, slope = log_contact(x, tables.contact)
+        if p.gap_half_spread == 0.0:
+            value, slope = log_contact(x, tables.contact)
+        else:
+            force, force_slope = contact(p, x * p.sigma, tables)
+            value, slope = math.log(force / p.contact_scale), force_slope / force * p.sigma
         step = (value - target) / slope
         x -= min(max(step, -2.0), 2.0)
         if abs(step) < 1e-13:

@@ -1,0 +1,87 @@
+"""Film and substrate that are not parallel: the forces' mean over the gaps, and where they balance."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from scipy.special import ndtr
+
+from eaclutch.physics import laws
+from eaclutch.physics.effects import BASE
+from eaclutch.physics.kernels import forces
+from eaclutch.physics.model import ClutchModel
+from eaclutch.physics.tables import tables
+
+SIGMA, LENGTH, WIDTH = 2.8e-6, 55.5e-3, 2e-3  # m: the defaults
+HALF = 1.5 * SIGMA
+TILT = {"gap_tilt.angle": 2.0 * HALF / WIDTH, "gap_tilt.fixture_share": 1.0}
+
+
+@pytest.fixture(scope="module")
+def tilted(bench) -> ClutchModel:
+    return ClutchModel(bench, (*BASE, "gap_tilt", "surface_adhesion"))
+
+
+def _mean(law, h: float) -> float:
+    """Of ``law`` over gaps spread evenly by HALF about ``h``."""
+    total = quad(lambda t: float(law(t)), h - HALF, h + HALF, epsabs=0, epsrel=1e-10)[0]
+    return total / (2.0 * HALF)
+
+
+def _contact(h: float) -> float:
+    return float(laws.contact_force(h, 5.4e14, SIGMA, LENGTH, WIDTH))
+
+
+@pytest.mark.parametrize("h", [1.6 * SIGMA, 3.0 * SIGMA, 5.0 * SIGMA])
+def test_each_force_is_its_mean_over_the_gaps(tilted, runs, h):
+    attraction = {"surface_adhesion.pressure": 1e4, "surface_adhesion.range_ratio": 2.0}
+    row = tilted.rows(runs(), {**TILT, **attraction})[0][0, 0]
+    assert row["gap_half_spread"] == pytest.approx(HALF)
+    contact, slope = forces.contact(row, h, tables())
+    assert abs((contact - _mean(_contact, h)) / slope) < 1e-3 * h  # the gap that it puts off
+    adhesion, _ = forces.adhesion(row, h)
+    wells = _mean(lambda t: row["adhesion_force"] * ndtr(-t / (2.0 * SIGMA)), h)
+    assert adhesion == pytest.approx(wells, rel=1e-4)
+    amount, kappa = 1e-12, 10.0
+    field = forces.make_field(row, amount, kappa, 1.0)
+    level = tilted.rows(runs(), attraction)[0][0, 0]
+    expected = _mean(lambda t: forces.field_force(level, field, t, tables()), h)
+    assert forces.field_force(row, field, h, tables()) == pytest.approx(expected, rel=3e-4)
+
+
+@pytest.mark.parametrize("h", [2.0 * SIGMA, 4.0 * SIGMA])
+def test_slopes_are_those_of_the_means(tilted, runs, h):
+    attraction = {"surface_adhesion.pressure": 1e4, "surface_adhesion.range_ratio": 2.0}
+    row, step = tilted.rows(runs(), {**TILT, **attraction})[0][0, 0], 1e-10
+    field = forces.make_field(row, 1e-12, 10.0, 1.0)
+    for law in (
+        lambda t: forces.contact(row, t, tables()),
+        lambda t: forces.adhesion(row, t),
+        lambda t: forces.field_slopes(row, field, t, tables()),
+    ):
+        difference = (law(h + step)[0] - law(h - step)[0]) / (2.0 * step)
+        assert law(h)[1] == pytest.approx(difference, rel=1e-4)
+    force, _, _, value = forces.field_slopes(row, field, h, tables())
+    assert force == pytest.approx(forces.field_force(row, field, h, tables()), rel=1e-9)
+    assert value * 1e-12 == pytest.approx(force, rel=1e-12)
+
+
+def test_the_film_rests_where_the_mean_contact_bears_its_load(tilted, runs):
+    p = tilted.predict(runs(), TILT)
+    load = p.state["preload"][0, 0] + 9.81 * 1780.0 * 24e-6 * LENGTH * WIDTH
+    rest = brentq(lambda h: _mean(_contact, h) - load, SIGMA, 10.0 * SIGMA, xtol=1e-16)
+    assert p.state["gap_before"][0, 0] == pytest.approx(rest, rel=1e-3)
+    level = tilted.predict(runs())
+    assert level.state["gap_before"][0, 0] < rest
+
+
+def test_a_slight_tilt_is_a_slightly_rougher_film(tilted, bench, runs):
+    """For a spread far below the roughness the mean over it is a Gaussian's, whose variances add."""
+    spread = 0.1 * SIGMA
+    slight = tilted.predict(runs(), {"gap_tilt.angle": spread * np.sqrt(12.0) / WIDTH})
+    rougher = ClutchModel(bench, BASE).predict(runs(), {"roughness_sd": float(np.hypot(SIGMA, spread))})
+    for name in ("gap_before", "gap_driven"):
+        found, expected = slight.state[name][0, 0], rougher.state[name][0, 0]
+        assert found == pytest.approx(expected, rel=1e-4)
