@@ -43,6 +43,7 @@ OPENED = {
     "gas_slip": {},
     "film_tension": {"stiffness": 1e6, "hardening": 2e11},
     "surface_adhesion": {},
+    "gap_tilt": {"angle": 4e-3, "levelling": 0.0},
     "contact_aging": {},
 }
 

@@ -16,7 +16,7 @@ from eaclutch.physics.tables import tables
 
 SIGMA, LENGTH, WIDTH = 2.8e-6, 55.5e-3, 2e-3  # m: the defaults
 HALF = 1.5 * SIGMA
-TILT = {"gap_tilt.angle": 2.0 * HALF / WIDTH, "gap_tilt.fixture_share": 1.0}
+TILT = {"gap_tilt.angle": 2.0 * HALF / WIDTH}
 
 
 @pytest.fixture(scope="module")
@@ -24,10 +24,10 @@ def tilted(bench) -> ClutchModel:
     return ClutchModel(bench, (*BASE, "gap_tilt", "surface_adhesion"))
 
 
-def _mean(law, h: float) -> float:
-    """Of ``law`` over gaps spread evenly by HALF about ``h``."""
-    total = quad(lambda t: float(law(t)), h - HALF, h + HALF, epsabs=0, epsrel=1e-10)[0]
-    return total / (2.0 * HALF)
+def _mean(law, h: float, half: float = HALF) -> float:
+    """Of ``law`` over gaps spread evenly by ``half`` about ``h``."""
+    total = quad(lambda t: float(law(t)), h - half, h + half, epsabs=0, epsrel=1e-10)[0]
+    return total / (2.0 * half)
 
 
 def _contact(h: float) -> float:
@@ -59,19 +59,24 @@ def test_slopes_are_those_of_the_means(tilted, runs, h):
     for law in (
         lambda t: forces.contact(row, t, tables()),
         lambda t: forces.adhesion(row, t),
-        lambda t: forces.field_slopes(row, field, t, tables()),
+        lambda t: forces.field_slopes(row, field, t, tables())[:2],
     ):
         difference = (law(h + step)[0] - law(h - step)[0]) / (2.0 * step)
         assert law(h)[1] == pytest.approx(difference, rel=1e-4)
-    force, _, _, value = forces.field_slopes(row, field, h, tables())
+    force, _, by_film, value = forces.field_slopes(row, field, h, tables())
+    other = [forces.make_field(row, 1e-12, 10.0 * (1.0 + s), 1.0) for s in (-1e-6, 1e-6)]
+    ends = [forces.field_force(row, f, h, tables()) for f in other]
+    assert by_film == pytest.approx((ends[1] - ends[0]) / (other[1][3] - other[0][3]), rel=1e-4)
     assert force == pytest.approx(forces.field_force(row, field, h, tables()), rel=1e-9)
     assert value * 1e-12 == pytest.approx(force, rel=1e-12)
 
 
-def test_the_film_rests_where_the_mean_contact_bears_its_load(tilted, runs):
-    p = tilted.predict(runs(), TILT)
+@pytest.mark.parametrize("spread", [0.5, 1.5, 2.2])
+def test_the_film_rests_where_the_mean_contact_bears_its_load(tilted, runs, spread):
+    half = spread * SIGMA
+    p = tilted.predict(runs(), {"gap_tilt.angle": 2.0 * half / WIDTH})
     load = p.state["preload"][0, 0] + 9.81 * 1780.0 * 24e-6 * LENGTH * WIDTH
-    rest = brentq(lambda h: _mean(_contact, h) - load, SIGMA, 10.0 * SIGMA, xtol=1e-16)
+    rest = brentq(lambda h: _mean(_contact, h, half) - load, SIGMA, 10.0 * SIGMA, xtol=1e-16)
     assert p.state["gap_before"][0, 0] == pytest.approx(rest, rel=1e-3)
     level = tilted.predict(runs())
     assert level.state["gap_before"][0, 0] < rest

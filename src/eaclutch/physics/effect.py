@@ -117,3 +117,11 @@ STRENGTH = Parameter(
     description="1: as the law says, 0: exactly off; the base model keeps it at 1",
 )  # fmt: skip
 """The one parameter of every base effect: a weight, fixed at 1 unless the effect is itself a candidate."""
+
+
+def fixture_share(what: str) -> Parameter:
+    """How much of ``what`` an effect does to the clutch the capacitance fixture has, a mounting of its own."""
+    return Parameter(
+        "fixture_share", "1", (0.0, 1.0), 1.0, Prior("uniform", 0.0, 1.0),
+        description=f"share of the {what} that the capacitance fixture has too",
+    )  # fmt: skip

@@ -50,7 +50,7 @@ class Sockets:
     fixture_gap_spread_sd: FloatArray | float = 0.0  # m; the same on the capacitance fixture
     adhesion_force: FloatArray | float = 0.0  # N at full contact; acts as adhesion_force * ..
     fixture_adhesion_force: FloatArray | float = (
-        0.0  # N; the same on the capacitance fixture, per the pad's overlap
+        0.0  # N; the same on the capacitance fixture, of the pad's area
     )
     adhesion_range: FloatArray | float = 1.0  # .. Phi(-h / (adhesion_range sigma))
     # film

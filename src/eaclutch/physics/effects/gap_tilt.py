@@ -10,7 +10,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
+from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior, fixture_share
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
@@ -59,14 +59,7 @@ EFFECT = Effect(
             Prior("halfnormal", 0.5),
             description="by how much a newton of preload turns the strip level",
         ),
-        Parameter(
-            "fixture_share",
-            "1",
-            (0.0, 1.0),
-            1.0,
-            Prior("uniform", 0.0, 1.0),
-            description="share of the spread that the capacitance fixture has too",
-        ),
+        fixture_share("spread"),
     ),
     reference=(
         "Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300, doi:10.1098/rspa.1966.0242 (distribution of "

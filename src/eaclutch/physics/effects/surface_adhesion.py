@@ -15,7 +15,7 @@ from collections.abc import Mapping
 import numpy as np
 from scipy.special import ndtr
 
-from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
+from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior, fixture_share
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
@@ -57,14 +57,7 @@ EFFECT = Effect(
             Prior("lognormal", 1.5, 0.7),
             description="range of the attraction over the spread of gaps; 1: it ends with the contact",
         ),
-        Parameter(
-            "fixture_share",
-            "1",
-            (0.0, 1.0),
-            1.0,
-            Prior("uniform", 0.0, 1.0),
-            description="share of the attraction that the capacitance fixture has too",
-        ),
+        fixture_share("attraction"),
     ),
     reference=(
         "Derjaguin, Muller & Toporov, J. Colloid Interface Sci. 53 (1975) 314, doi:10.1016/0021-9797(75)90018-1; "

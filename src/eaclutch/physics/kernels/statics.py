@@ -27,8 +27,8 @@ def weakened(p, speed):
 
 @compiled
 def gap_at_load(p, load, tables):
-    """Gap at which the contact alone carries ``load`` [N]: Newton on log F_k, which is concave in h (a mean over an
-    even spread of gaps keeps it so)."""
+    """Gap at which the contact alone carries ``load`` [N]: Newton on log F_k, which is concave in h (its mean
+    over an even spread of gaps, too, but for what four nodes leave of it: hence the clamp)."""
     target = math.log(load / p.contact_scale)
     x = (
         math.sqrt(max(-2.0 * target - 1.8 * math.log(max(-2.0 * target, 1.0)) - 2.0, 0.0))
