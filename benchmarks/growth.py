@@ -32,9 +32,10 @@ from measurement import record
 from eaclutch.cli.inference import capacity_data, measured_runs
 from eaclutch.config import load_config
 from eaclutch.diagnosis.conclude import conclude
+from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
-from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.diagnosis.study import Study
 from eaclutch.files import write_csv
 from eaclutch.inference import storage
 from eaclutch.inference.parameters import with_priors

@@ -27,9 +27,10 @@ from eaclutch.config import load_bench
 from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.files import read_inputs
 from eaclutch.diagnosis.gaussian import Linearised, leave_out
+from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
-from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.diagnosis.study import Study
 from eaclutch.files import read_json, write_json
 
 WITHHELD = ("dielectric_relaxation", "load_cell_dynamics", "air_gap", "surface_roughness")

@@ -8,8 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from eaclutch.files import atomic, read_json, write_csv, write_json
-from eaclutch.records import Gaussian
+from eaclutch.files import atomic, read_json, read_table, write_csv, write_json
+from eaclutch.records import Gaussian, InputError
 
 
 def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
@@ -48,3 +48,22 @@ def test_last_bits_do_not_reach_the_file(tmp_path: Path) -> None:
 def test_missing_values_are_empty_cells(tmp_path: Path) -> None:
     write_csv(tmp_path / "a.csv", pd.DataFrame({"x": [1.0, np.nan], "y": ["a", None]}))
     assert (tmp_path / "a.csv").read_text() == "x,y\n1,a\n,\n"
+
+
+def test_names_are_read_as_they_were_written(tmp_path: Path) -> None:
+    table = pd.DataFrame(
+        {"session": ["01", "1", "NA", "null"], "flags": ["", "a", "", ""], "value": [1.0, np.nan, 3.0, 4.0]}
+    )
+    write_csv(tmp_path / "runs.csv", table)
+    found = read_table(tmp_path / "runs.csv")
+    assert list(found["session"]) == ["01", "1", "NA", "null"]
+    assert list(found["flags"]) == ["", "a", "", ""]
+    assert found["value"].isna().tolist() == [False, True, False, False]
+
+
+def test_what_is_no_table_is_named(tmp_path: Path) -> None:
+    (tmp_path / "empty.csv").write_text("")
+    assert read_table(tmp_path / "empty.csv").empty
+    (tmp_path / "runs.csv").write_text('a,b\n1,2\n"3,4\n5,6,7,8')
+    with pytest.raises(InputError, match=r"runs\.csv"):
+        read_table(tmp_path / "runs.csv")

@@ -22,6 +22,9 @@ from eaclutch.records import InputError
 # Nine significant digits: far below any uncertainty here, and above the last bits in which
 # sums of another order may differ.
 DIGITS = 9
+# Columns of tables that hold names, not numbers.
+NAMES = ("run", "session", "condition", "substrate", "flags", "reasons", "reason", "trial", "source",
+         "observable", "status", "split")  # fmt: skip
 
 
 @contextlib.contextmanager
@@ -117,6 +120,19 @@ def write_csv(path: str | os.PathLike[str], table: pd.DataFrame | Iterable[pd.Da
                 temporary, mode="a" if number else "w", header=not number, index=False,
                 float_format=f"%.{DIGITS}g", lineterminator="\n", compression=None,
             )  # fmt: skip
+
+
+def read_table(path: str | os.PathLike[str]) -> pd.DataFrame:
+    """A table of results. A name stays the text that it is (session ``01`` is not ``1``, condition ``NA`` is no gap in
+    the table); an empty cell of names is the empty text. Raises InputError where the file is no table."""
+    try:
+        columns = pd.read_csv(path, nrows=0).columns
+        missing = {name: ["", "nan", "NaN", "NA"] for name in columns if name not in NAMES}
+        return pd.read_csv(path, dtype=dict.fromkeys(NAMES, str), keep_default_na=False, na_values=missing)
+    except pd.errors.EmptyDataError:
+        return pd.DataFrame()
+    except (pd.errors.ParserError, UnicodeDecodeError) as error:
+        raise InputError(path, f"unreadable ({error})", "rebuild it") from error
 
 
 def sha256(path: str | os.PathLike[str]) -> str:

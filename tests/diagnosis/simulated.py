@@ -7,7 +7,7 @@ from datetime import date
 
 import numpy as np
 
-from eaclutch.diagnosis.study import DiagnosisInputs
+from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.physics.effects import BASE
 from eaclutch.records import Bench, Substrate
 from eaclutch.simulation.noise import BenchNoise

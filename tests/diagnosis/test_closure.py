@@ -7,14 +7,14 @@ import pytest
 from scipy import sparse
 
 from eaclutch.diagnosis.cells import Cells
-from eaclutch.diagnosis.closure import gap_numbers, surely_wider
+from eaclutch.diagnosis.closure import _share, gap_numbers, surely_wider
 
 CONDITIONS, REPEATS = 20, 3
 N = CONDITIONS * REPEATS
 CELLS = Cells(
     np.array(["release_time_50_s"] * N, dtype=object),
     np.repeat([f"c{i}" for i in range(CONDITIONS)], REPEATS).astype(object),
-    np.ones(N), np.ones(N), sparse.identity(N, format="csr"), np.ones(N), np.zeros(N, dtype=bool), np.ones(N),
+    np.ones(N), sparse.identity(N, format="csr"), np.ones(N), np.zeros(N, dtype=bool), np.ones(N),
 )  # fmt: skip
 FLOORS = np.random.default_rng(0).chisquare(N, 400) / N
 
@@ -66,3 +66,8 @@ def test_only_what_widens_the_gap_at_nearly_all_conditions_is_surely_wider():
 
     assert found(1.0) == {("wider",)}
     assert found(2.0) == set()
+
+
+def test_a_gap_that_widened_has_not_closed():
+    closed, left = np.array([-1.0, -3.0, 1.0, -1.0]), np.array([0.5, 4.0, 1.0, -0.5])
+    assert _share(closed, left, np.ones(4, dtype=bool), 0.0).tolist() == [0.0, -3.0, 0.5, 1.0]

@@ -40,3 +40,10 @@ def test_conditions_with_the_fewest_runs_are_left_out_and_counted():
     assert {f"c{i}" for i in range(100)} <= set(found["condition"])
     assert found["condition"].nunique() == MOST_ENTRIES // 10
     assert notes == ("the 250 of 400 conditions with the fewest runs are left out",)
+
+
+def test_runs_of_sessions_taken_together_keep_their_order():
+    table = campaign(20, 300).assign(run_order=lambda t: t.groupby("session").cumcount())
+    found, _ = condense(table, 10)
+    for _, part in found.sort_values("run").groupby("session"):
+        assert list(part["run_order"]) == list(range(len(part)))

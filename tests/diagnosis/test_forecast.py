@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eaclutch.diagnosis.fit import scout_shifts
 from eaclutch.diagnosis.forecast import SURE, Forecast
 from eaclutch.diagnosis.modulated import changes
 from eaclutch.diagnosis.planned import plan_of, planned_study
 from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.starts import scout_shifts
 from eaclutch.records import Bench, Campaign, LogFile, RunSettings, Substrate
 
 BENCH = Bench("unit", substrates={"brass": Substrate(8338.5, 0.000726, 0.1, {2e-3: 2e-3})})

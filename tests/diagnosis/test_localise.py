@@ -8,7 +8,8 @@ from scipy import sparse
 
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.channels import CHANNELS
-from eaclutch.diagnosis.localise import Split, confounded, localise
+from eaclutch.diagnosis.localise import localise
+from eaclutch.diagnosis.splits import Split, confounded, settings_of, splits_of
 
 RUNS = 24
 
@@ -33,7 +34,7 @@ def campaign():
         average=sparse.identity(n, format="csr"),
     )  # fmt: skip
     cells = Cells(
-        data.channel, data.condition, np.full(n, 1e-10), np.ones(n), sparse.identity(n, format="csr"),
+        data.channel, data.condition, np.full(n, 1e-10), sparse.identity(n, format="csr"),
         np.ones(n), np.zeros(n, dtype=bool), np.full(n, 5e-4),
     )  # fmt: skip
     return data, cells, late
@@ -133,3 +134,40 @@ def test_a_factor_that_says_which_side_a_run_is_on_is_named_though_no_cut_of_it_
     }
     assert confounded(at_rest, settings) == ["frequency_hz"]
     assert confounded(late, settings) == ["run_order"]
+
+
+def test_sessions_have_no_order():
+    """Three of eight sessions that do not follow one another hold all high voltages."""
+    session = np.repeat(np.arange(8.0), 6)
+    high = Split("voltage_v", ">200", np.isin(session, [1, 4, 6]).astype(float))
+    settings = {
+        "session": session,
+        "voltage_v": 200.0 + 100.0 * high.member,
+        "width_mm": np.tile([1.0, 2.0, 3.0], 16),
+    }
+    assert confounded(high, settings) == ["session"]
+
+
+def test_a_session_a_run_explains_nothing():
+    session = np.arange(24.0)
+    high = Split("voltage_v", ">200", np.tile([0.0, 1.0], 12))
+    assert confounded(high, {"session": session, "voltage_v": 200.0 + 100.0 * high.member}) == []
+
+
+def test_averaged_settings_are_the_settings(campaign):
+    """Weights of a mean that add to 1 but for a bit put no run on the wrong side of a cut."""
+    data, _, _ = campaign
+    thirds = sparse.csr_matrix(np.full((1, 3), 1.0 / 3.0))
+    rows = sparse.vstack([sparse.hstack([sparse.csr_matrix((1, 3 * i)), thirds, sparse.csr_matrix((1, 21 - 3 * i))])
+                          for i in range(8)])  # fmt: skip
+    runs = data.conditions
+    runs.voltage = np.repeat([200.1, 233.3, 250.7, 300.3], 6)
+    few = SimpleNamespace(
+        conditions=runs, average=sparse.csr_matrix(rows), run_entries=8, session=np.array(["A"] * 8)
+    )
+    found = settings_of(few, np.full(RUNS, 0.1))["voltage_v"]
+    assert len(np.unique(found)) == 4
+    low = next(
+        s for s in splits_of(few, np.full(RUNS, 0.1)) if s.factor == "voltage_v" and s.level == "<=233"
+    )
+    assert low.member.tolist() == [1.0] * 4 + [0.0] * 4

@@ -8,10 +8,10 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import CONDITIONS, inputs
-from eaclutch.diagnosis.fit import _scout, scout_shifts
 from eaclutch.diagnosis.pairs import _afresh, _Fit, _leaders, _weigh, weigh_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.spread import Spread
+from eaclutch.diagnosis.starts import scout, scout_shifts
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import counted_evidence
 from eaclutch.physics.effects import BASE
@@ -105,6 +105,6 @@ def test_an_effect_that_may_go_both_ways_is_also_fitted_from_where_it_does_nothi
     """Sessions that are all off, and must come back, end where they do a great deal worse than the base model."""
     study = Study(inputs(conditions=CONDITIONS[:4], repeats=2), load_thresholds())
     forward = study.forward((name,))
-    first = _scout(forward, study.base, study.kernels.total())[0]
+    first = scout(forward, study.base, study.kernels.total())[0]
     found = forward.predict(forward.priors.from_normal(first))[0]
     np.testing.assert_allclose(found, study.forward(()).predict(study.base.mode.theta)[0], atol=1e-6)

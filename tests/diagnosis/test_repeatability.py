@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from eaclutch.diagnosis.repeatability import RepeatVariance, pooled_variance, shrunk_variance
+from eaclutch.diagnosis.repeatability import RepeatVariance, pooled_variance, preload_bins, shrunk_variance
 
 
 def test_condition_means_and_preload_do_not_count_as_scatter():
@@ -29,3 +29,13 @@ def test_no_repeats_fall_back_on_the_prior():
     assert lonely.dof == 0
     assert shrunk_variance(lonely, 0.7, 3.0) == 0.7
     assert shrunk_variance(RepeatVariance(1.0, 9), 0.0, 3.0) == pytest.approx(0.75)
+
+
+def test_preload_bins_are_those_that_conditions_are_named_by():
+    names = [
+        "brass_w2_t2_300V_10Hz_p0-0.2N",
+        "brass_w2_t2_300V_DC_p0.2-infN",
+        "brass_w2_t2_250V_10Hz_p0-0.2N",
+    ]
+    assert preload_bins(names, np.array([0.1, 0.22, 0.15])).tolist() == [0, 1, 0]
+    assert preload_bins(["a", "b", "c"], np.array([0.1, 0.22, 0.3])).tolist() == [0, 0, 1]

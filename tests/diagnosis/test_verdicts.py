@@ -9,12 +9,16 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import BENCH, CANDIDATES, CONDITIONS, inputs
+from eaclutch.cli.diagnosis import refuse_others
 from eaclutch.diagnosis.conclude import conclude, own_parameters, session_spread
+from eaclutch.diagnosis.forward import UNPREDICTED
+from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.diagnosis.next_experiment import _grid, _variance
 from eaclutch.diagnosis.pairs import with_pairs
+from eaclutch.diagnosis.readings import Readings
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
-from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.diagnosis.study import Study
 from eaclutch.files import Document
 from eaclutch.physics.effects import BASE
 from eaclutch.records import InputError
@@ -238,3 +242,42 @@ def test_parameters_of_a_candidate_that_the_model_has_are_reported_and_the_confi
     assert document["absorbed"]["series_compliance.compliance"]["before"] == pytest.approx(2.5e-5, rel=0.2)
     p_values = [entry["p_value"] for entry in document["gap"]["by_observable"].values()]
     assert min(p_values) >= 1 / 21 and np.allclose(21 * np.array(p_values), np.round(21 * np.array(p_values)))
+
+
+def test_a_new_experiment_is_of_one_session():
+    study = Study(inputs(days=3), load_thresholds(), seed=3)
+    grid = _grid(study)
+    assert set(grid.session) == {"2025-03-03"}
+    assert set(np.asarray(grid.session_number)) == {2}
+
+
+def test_what_the_model_cannot_say_is_as_far_off_for_one_run_as_for_all(monkeypatch):
+    """A strip that never lets go has no release: the same distance from the measured one either way."""
+    study = Study(inputs(), load_thresholds(), seed=3)
+    forward, said = study.forward(()), Readings.predict
+
+    def stuck(*arguments):
+        found = said(*arguments)
+        found[:, [c.name == "release_time_90_s" for c in study.data.channels]] = np.nan
+        return found
+
+    monkeypatch.setattr(Readings, "predict", stuck)
+    theta = np.array([p.default for p in forward.parameters])
+    runs = slice(0, study.data.run_entries)
+    release = study.data.channel[runs] == "release_time_90_s"
+    for prediction in (forward.predict(theta), forward.representative.predict(theta)):
+        np.testing.assert_allclose(
+            prediction[0, runs][release], study.data.values[runs][release] + UNPREDICTED
+        )
+
+
+@pytest.mark.parametrize(
+    "names",
+    [("trapped_chrage",), ("air_gap",), ("gas_slip", "gas_slip"), ("gas_slip", "film_tension", "gap_tilt")],
+    ids=" ".join,
+)
+def test_what_cannot_be_weighed_is_refused_by_name(names):
+    study = SimpleNamespace(candidates=("gas_slip", "film_tension", "gap_tilt"), lookalikes=("wet_film",))
+    refuse_others(study, ("gas_slip", "wet_film"))
+    with pytest.raises(InputError, match=names[0]):
+        refuse_others(study, names)

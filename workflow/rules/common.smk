@@ -11,7 +11,7 @@ from pathlib import Path
 import eaclutch
 from eaclutch.config import load_bench, load_config
 from eaclutch.config.slices import bench_slice, job_seed
-from eaclutch.physics.effects import BASE, EFFECTS, LOOKALIKES, NAMED
+from eaclutch.physics.effects import EFFECTS, LOOKALIKES, NAMED, switched_on
 from eaclutch.files import hold, read_json
 from eaclutch.provenance import code_hash
 from eaclutch.records import InputError
@@ -116,7 +116,7 @@ def code(*modules, effects=()):
 
 
 # Names of the effects that the model has, and of those that compete to explain what it lacks.
-EFFECTS_ON = [name for name in CONFIG["model"]["effects"] or BASE if name not in CONFIG["model"]["without"]]
+EFFECTS_ON = switched_on(CONFIG["model"])
 CANDIDATES = [
     name for name in CONFIG["diagnosis"]["candidates"] or NAMED if name not in EFFECTS_ON
 ]

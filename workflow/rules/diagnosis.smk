@@ -21,7 +21,7 @@ rule diagnosis_gap:
         bench=bench(),
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
-        code=code("diagnosis.conclude", effects=EFFECTS_ON),
+        code=code("diagnosis.conclude", "diagnosis.files", effects=EFFECTS_ON),
     message:
         "diagnosis: is there a gap"
     shell:
@@ -43,7 +43,7 @@ rule diagnosis_candidate:
         bench=bench(),
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
-        code=lambda wildcards: code("diagnosis.study", effects=[*EFFECTS_ON, wildcards.candidate]),
+        code=lambda wildcards: code("diagnosis.study", "diagnosis.files", effects=[*EFFECTS_ON, wildcards.candidate]),
     group:
         "candidates"
     message:
@@ -69,7 +69,10 @@ rule diagnosis:
         bench=bench(),
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
-        code=code("diagnosis.conclude", "diagnosis.pairs", effects=[*EFFECTS_ON, *CANDIDATES, *LOOKALIKES]),
+        code=code(
+            "diagnosis.conclude", "diagnosis.pairs", "diagnosis.files",
+            effects=[*EFFECTS_ON, *CANDIDATES, *LOOKALIKES],
+        ),
     threads: 2
     message:
         "diagnosis: the verdict"
@@ -95,7 +98,7 @@ rule diagnosis_full:
         bench=bench(),
         settings=settings("model", "priors", "diagnosis", "posterior"),
         seed=seed("diagnosis_full"),
-        code=code("diagnosis.full", "diagnosis.study", effects=[*EFFECTS_ON, *CANDIDATES]),
+        code=code("diagnosis.full", "diagnosis.files", effects=[*EFFECTS_ON, *CANDIDATES]),
     message:
         "diagnosis_full: the finalists, sampled"
     shell:

@@ -15,13 +15,15 @@ from eaclutch.config import load_bench
 from eaclutch.diagnosis.closure import surely_wider
 from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.files import bursts as bursts_table
+from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.diagnosis.nameless import nameless_fit
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
-from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import decide
 from eaclutch.diagnosis.weigh import UNKNOWN, probabilities
+from eaclutch.files import read_table
 from eaclutch.physics.effects import BASE, CANDIDATES
 from eaclutch.records import BurstFeatures, Campaign, InputError
 from eaclutch.rig.batch import extract_batch, join_batches
@@ -100,8 +102,7 @@ def read_case(folder: Path, method: str, settings: Mapping[str, Any]) -> Diagnos
             kind: tuple(sorted((folder / kind).glob("*.csv"))) for kind in ("capacitance", "permittivity")
         }
         campaign = Campaign(folder, bench, (), files["capacitance"], files["permittivity"], ())
-        table = pd.read_csv(folder / "runs.csv", dtype={"run": str, "flags": str, "reasons": str})
-        table[["flags", "reasons"]] = table[["flags", "reasons"]].fillna("")
+        table = read_table(folder / "runs.csv")
         swings = bursts_table(folder / "bursts.csv")
     else:
         raise InputError(folder, "holds neither logs nor runs.csv", "seal the case again")

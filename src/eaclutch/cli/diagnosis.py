@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.files import read_json, write_json
+from eaclutch.records import InputError
 from eaclutch.rig.campaign import open_campaign
 
 _FOLDER = click.Path(path_type=Path)
@@ -63,13 +65,29 @@ def diagnosis_gap(output: Path, **options: Any) -> None:
     write_json(output, {"schema": 1, "summary": summary, "base": base.document(), **study.fits})
 
 
+def refuse_others(study: Study, effects: Sequence[str]) -> None:
+    """Raise InputError unless ``effects`` are one or two of those that ``study`` may weigh."""
+    known = (*study.candidates, *study.lookalikes)
+    for name in effects:
+        if name not in known:
+            raise InputError(
+                f"candidate {name}", "is none that this model lacks", f"choose of {', '.join(known)}"
+            )
+    if len(effects) > 2 or len(set(effects)) < len(effects):
+        raise InputError(
+            f"candidates {' '.join(effects)}", "are not one or two", "name one, or two that differ"
+        )
+
+
 @click.command("diagnosis-candidate")
 @click.argument("effects", nargs=-1, required=True)
 @_GAP
 @common
 def diagnosis_candidate(effects: tuple[str, ...], output: Path, **options: Any) -> None:
     """Weigh one candidate (or two together) jointly with the calibrated parameters."""
-    write_json(output, study_of(**options).weigh(effects).document())
+    study = study_of(**options)
+    refuse_others(study, effects)
+    write_json(output, study.weigh(effects).document())
 
 
 @click.command("diagnosis")

@@ -14,7 +14,7 @@ import pandas as pd
 
 from eaclutch.config import load_bench
 from eaclutch.config.slices import parse_settings
-from eaclutch.files import write_csv, write_json
+from eaclutch.files import read_table, write_csv, write_json
 from eaclutch.inference import storage
 from eaclutch.inference.parameters import with_priors
 from eaclutch.inference.posterior import (
@@ -32,7 +32,7 @@ from eaclutch.inference.stages.contact import ContactSettings
 from eaclutch.inference.stages.force import CapacityData
 from eaclutch.inference.summary import sensitivities, summarise
 from eaclutch.physics.effect import Parameter
-from eaclutch.physics.effects import BASE
+from eaclutch.physics.effects import switched_on
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.prediction import OBSERVABLES
 from eaclutch.provenance import code_hash
@@ -63,16 +63,15 @@ def _common(command: Any) -> Any:
 
 def model_arguments(model: dict[str, Any]) -> dict[str, Any]:
     """Arguments of ClutchModel from the config's ``model`` section, without the multiplier's form."""
-    on = [name for name in model.get("effects") or BASE if name not in model.get("without", ())]
     return {
-        "effects": on,
+        "effects": switched_on(model),
         "roughness_rule": model.get("roughness_rule", "published"),
         "roughness_cut": model.get("roughness_cut", 0.83),
     }
 
 
 def _runs(results: Path) -> pd.DataFrame:
-    return pd.read_csv(results / "runs.csv", dtype={"run": str, "flags": str, "reasons": str})
+    return read_table(results / "runs.csv")
 
 
 def _bursts(results: Path) -> BurstFeatures:
@@ -207,8 +206,7 @@ def predictions(parts: tuple[Path, ...], output: Path, coverage: Path) -> None:
 
 
 def _part(path: Path) -> pd.DataFrame:
-    text = ("run", "observable", "status", "split")
-    return pd.read_csv(path, dtype=dict.fromkeys(text, "str"), keep_default_na=False, na_values=[""])
+    return read_table(path)
 
 
 def measured_runs(runs: pd.DataFrame, bench: Bench) -> Measured:

@@ -12,7 +12,7 @@ import pandas as pd
 
 from eaclutch.config import load_bench
 from eaclutch.config.slices import parse_settings
-from eaclutch.files import atomic, read_json, write_csv, write_json
+from eaclutch.files import atomic, read_json, read_table, write_csv, write_json
 from eaclutch.manifest import batch_runs
 from eaclutch.records import Bench, InputError
 from eaclutch.rig import published as published_definitions
@@ -77,9 +77,9 @@ def runs(
     bench = replace(bench, exclude={**bench.exclude, **chosen.get("observables.exclude", {})})
     apart = [path for path in tables if path.name.startswith("published")]
     edges = chosen.get("observables.preload_bin_edges_n", PRELOAD_EDGES)
-    table, counts = join_batches([_read(path) for path in tables if path not in apart], bench, edges)
+    table, counts = join_batches([read_table(path) for path in tables if path not in apart], bench, edges)
     write_csv(output, table)
-    by_definition = pd.concat([_read(path) for path in apart], ignore_index=True)
+    by_definition = pd.concat([read_table(path) for path in apart], ignore_index=True)
     write_csv(published, by_definition.sort_values("run", ignore_index=True))
     write_json(definitions, observable_infos())
     write_json(quality, counts)
@@ -137,10 +137,6 @@ def inspect(log: Path, campaign: Path | None, output: Path | None) -> None:
     with atomic(output) as temporary:
         run_figure(seen.recording, seen.instants, seen.values).savefig(temporary, dpi=110)
     click.echo(f"picture {output}")
-
-
-def _read(path: Path) -> pd.DataFrame:
-    return pd.read_csv(path, dtype={"run": str, "flags": str, "reasons": str, "reason": str})
 
 
 def _write_arrays(path: Path, arrays: dict[str, Any]) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import click
 
 from eaclutch.config.slices import parse_settings
-from eaclutch.files import write_csv, write_text
+from eaclutch.files import read_table, write_csv, write_text
 
 _FOLDER = click.Path(file_okay=False, path_type=Path)
 _FILE = click.Path(dir_okay=False, path_type=Path)
@@ -74,7 +74,6 @@ def sweep(campaign: Path, results: Path, settings: str, table: Path, page: Path)
 def paper(campaign: Path, results: Path, settings: str, table: Path, page: Path) -> None:
     """The paper's numbers, ours beside them."""
     import numpy as np
-    import pandas as pd
 
     from eaclutch.config import load_bench
     from eaclutch.files import read_json
@@ -87,8 +86,8 @@ def paper(campaign: Path, results: Path, settings: str, table: Path, page: Path)
     from eaclutch.studies.trends import bandwidth, force_exponents, release_by_frequency
 
     bench, config = load_bench(campaign), parse_settings(settings)
-    runs = pd.read_csv(results / "runs.csv")
-    published = pd.read_csv(results / "runs_published.csv")
+    runs = read_table(results / "runs.csv")
+    published = read_table(results / "runs_published.csv")
     model = model_of(bench, config["model"])
     parameters = study.medians(read_json(results / "posterior" / "summary.json"), model)
     usable = runs[runs["usable"] & runs["release_time_90_s"].notna()]

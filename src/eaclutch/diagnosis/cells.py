@@ -9,7 +9,7 @@ import pandas as pd
 from scipy import sparse
 
 from eaclutch.diagnosis.data import DataVector, estimated_preload
-from eaclutch.diagnosis.repeatability import PRELOAD_EDGES, pooled_variance
+from eaclutch.diagnosis.repeatability import pooled_variance, preload_bins
 from eaclutch.records import FloatArray
 
 FEW = 5  # degrees of freedom below which repeats may agree by chance
@@ -20,15 +20,12 @@ class Cells:
     """Cells of a campaign, each array (cells,) unless stated.
 
     observable, condition: names. variance: of the cell's mean by the pooled repeat variance, in the unit
-    squared. gather: sparse (cells, entries): entry errors to cell errors. slope (entries,): d value / d scaled
-    at the measured value, to carry an entry's error to the observable's unit to first order; log entries use
-    the exact form in ``errors``.
+    squared. gather: sparse (cells, entries): entry errors to cell errors.
     """
 
     observable: np.ndarray
     condition: np.ndarray
     variance: FloatArray
-    repeats: FloatArray
     gather: sparse.csr_matrix
     level: FloatArray  # (entries,) measured value in the observable's own unit
     log: np.ndarray  # (entries,) whether the entry is compared by its logarithm
@@ -44,10 +41,9 @@ class Cells:
         found: FloatArray = np.where(self.log, self.level * -np.expm1(-clipped), scaled * self.unit_scale)
         return found
 
-    def mean_square(self, scaled: FloatArray, rows: np.ndarray | None = None) -> FloatArray:
-        """The contract's statistic over all cells (or ``rows``), (...,)."""
-        ratio = self.errors(scaled) ** 2 / self.variance
-        return np.mean(ratio if rows is None else ratio[..., rows], axis=-1)
+    def mean_square(self, scaled: FloatArray) -> FloatArray:
+        """The contract's statistic over all cells, (...,)."""
+        return np.mean(self.errors(scaled) ** 2 / self.variance, axis=-1)
 
 
 def cells_of(data: DataVector, native_variance: dict[str, float]) -> Cells:
@@ -73,7 +69,6 @@ def cells_of(data: DataVector, native_variance: dict[str, float]) -> Cells:
         np.array([key[0] for key in names], dtype=object),
         np.array([key[1] for key in names], dtype=object),
         variance,
-        count,
         gather.tocsr(),
         level,
         np.array([c.scale == "log" for c in channels], dtype=bool),
@@ -104,7 +99,7 @@ def native_variances(table: pd.DataFrame, data: DataVector) -> tuple[dict[str, f
     conditions = data.conditions
     keys = [f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)]
     groups = np.unique(keys, return_inverse=True)[1]
-    bins = np.digitize(estimated_preload(table, conditions), PRELOAD_EDGES)
+    bins = preload_bins(conditions.condition, estimated_preload(table, conditions))
     variances, dofs = {}, {}
     for channel, scaled in zip(data.channels, data.run_values, strict=True):
         values = pd.to_numeric(table[channel.name], errors="coerce").to_numpy(dtype=float)

@@ -1,8 +1,7 @@
 """What the diagnosis makes of each observable: its scale, its phase, and whether it may carry a name.
 
-A *channel* is one observable as the comparison sees it. Positive quantities are compared by their logarithm,
-so that a law that is wrong by a factor is wrong by the same amount everywhere; signed ones on their own scale,
-divided by ``unit_scale``, so that a tolerance of 0.05 means the same everywhere.
+A *channel* is one observable as the comparison sees it: by its logarithm, so that a law that is wrong by a factor is
+wrong by the same amount everywhere, or divided by ``unit_scale``, so that 0.05 means the same everywhere.
 """
 
 from __future__ import annotations
@@ -60,7 +59,8 @@ class Channel:
 
 # Times and rates are linear in units of what the rig typically shows: a time near zero has no logarithm, and
 # leaving it out because of its sign would bias the rest. The final force is the baseline shift plus the
-# friction before, which the model is given, so only the shift counts. Two carry no name: the late ramp, for its
+# friction before, which the model is given, so only the shift counts. Three carry no name: engagement, which
+# the rig cannot resolve; the late ramp, for its
 # window is so long that a slip falls into it for one set of parameters and not for the next; the ring-down, for the
 # model's is that of the bare tip, and a strip that touches the tip while it swings makes it another oscillator.
 CHANNELS: tuple[Channel, ...] = (

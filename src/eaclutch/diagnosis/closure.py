@@ -52,9 +52,10 @@ def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, sim
 
 
 def _share(closed: FloatArray, left: FloatArray, real: np.ndarray, otherwise: float) -> FloatArray:
-    """closed / (closed + left); 1 where less than nothing is left, ``otherwise`` where the gap is not real."""
+    """closed / (closed + left), 1 where less than nothing is left, 0 where the gap widened by more than there was, and
+    ``otherwise`` where it is not real."""
     whole = closed + left
-    share = np.divide(closed, whole, out=np.ones_like(closed), where=whole > 0)
+    share = np.divide(closed, whole, out=np.where(left <= 0, 1.0, 0.0), where=whole > 0)
     return np.where(real, share, otherwise)
 
 
@@ -85,7 +86,8 @@ def total_gap(cells: Cells, base: CandidateResult, after: CandidateResult, floor
 def by_observable(cells: Cells, base: CandidateResult, after: CandidateResult, simulated: FloatArray,
                   p_values: Mapping[str, float], units: Mapping[str, str],
                   rng: np.random.Generator) -> dict[str, Any]:  # fmt: skip
-    """Contract's ``gap.by_observable``: root of max(0, mean square - variance), in the observable's unit."""
+    """Contract's ``gap.by_observable``: root of max(0, mean square - variance of the cells' means), in the observable's
+    unit. ``noise_floor`` is the same number's median over campaigns without a gap, so ``before`` may lie below it."""
     before, later = (cells.errors(np.array(r.errors_left_out)[: len(cells.level)]) for r in (base, after))
     null = cells.errors(simulated[:, : len(cells.level)])
     found = {}

@@ -16,7 +16,7 @@ from eaclutch.diagnosis.localise import localise
 from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.study import SESSION_SPREADS, Study
-from eaclutch.diagnosis.verdict import Verdict, decide
+from eaclutch.diagnosis.verdict import Verdict, decide, in_words
 from eaclutch.diagnosis.weigh import NONE, UNKNOWN, by_effect, probabilities
 from eaclutch.records import FloatArray
 
@@ -32,7 +32,7 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
     left = leave_out(linearised, groups)
     wider = surely_wider(study, results)
     weights = probabilities(results, study.thresholds, wider)
-    notes = caveats(study)
+    notes = [*caveats(study), *stopped(results, weights)]
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)
     strict = study.kernels.total(tolerance=0.0, session=session_spread(study, after), scatter=False)
@@ -78,7 +78,7 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
         },
         "closure": closure,
         "absorbed": absorbed(base, after),
-        "next_experiment": next_experiments(study, results, weights, verdict),
+        "next_experiment": next_experiments(study, results, weights),
     }  # fmt: skip
 
 
@@ -186,6 +186,16 @@ def indistinguishable(
         for other in single
         if other != name and 1 / factor <= weights.get((other,), 0.0) / mine <= factor
     )
+
+
+def stopped(results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...], float]) -> list[str]:
+    """A caveat where the base model's fit, or that of the most probable set, stopped before it had converged."""
+    best = max(weights, key=lambda effects: weights[effects])
+    return [
+        f"the fit with {in_words(r.effects)} stopped before it had converged"
+        for r in results
+        if r.effects in (NONE, best) and not r.converged
+    ]
 
 
 def caveats(study: Study) -> list[str]:

@@ -38,7 +38,8 @@ def condense(table: pd.DataFrame, channels: int) -> tuple[pd.DataFrame, tuple[st
         notes.append(
             f"{len(sessions)} sessions are taken together as {count}: what they differ by counts as scatter of repeats"
         )
-    return table.assign(session=together), tuple(notes)
+    order = table.assign(session=together).sort_values("run").groupby("session").cumcount()
+    return table.assign(session=together, run_order=order), tuple(notes)
 
 
 def _groups(conditions: pd.Series, sessions: pd.Series) -> int:

@@ -70,9 +70,6 @@ def kernels(data: DataVector, thresholds: Mapping[str, Any]) -> Kernels:
     edges = np.outer(data.edge_sd, data.edge_sd) * same_frequency
     scatter = np.array([thresholds["scatter"].get(b, 0.0) for b in data.block])
     tolerance = np.outer(tolerance_sd, tolerance_sd) * between * same_family * shape
-    for term in thresholds["shared"]:
-        together = np.array([term["sd"] * term["blocks"].get(b, 0.0) for b in data.block])
-        tolerance = tolerance + np.outer(together, together)
     return Kernels(
         data.noise_sd**2,
         offsets + edges,

@@ -17,9 +17,9 @@ from scipy import sparse
 from eaclutch.diagnosis.bench_channels import BenchEntries
 from eaclutch.diagnosis.channels import Channel
 from eaclutch.diagnosis.repeatability import (
-    PRELOAD_EDGES,
     RepeatVariance,
     pooled_variance,
+    preload_bins,
     run_variance,
     session_share,
 )
@@ -37,7 +37,7 @@ from eaclutch.records import FloatArray, RunConditions
 
 IntArray = np.ndarray
 TIMED_BLOCK = "release"  # its times count from voltage off
-SWING_BLOCKS = ("release", "ringdown", "ringdown_damping", "after")  # what a run shows after switch-off
+SWING_BLOCKS = ("release", "after")  # what a run shows after switch-off
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def build(
     uncertainty of these predictions (channels, runs) from the measured forces that they start from.
     """
     groups = _labels([f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)])
-    bins = np.digitize(estimated_preload(table, conditions), PRELOAD_EDGES)
+    bins = preload_bins(conditions.condition, estimated_preload(table, conditions))
     contradicted = wrongly_moved(table, conditions.condition, channels, explained)
     slipping = slips_at_switch_off(table, quarter_swing)
     entries, values, repeats = [], [], {}

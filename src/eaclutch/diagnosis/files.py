@@ -8,8 +8,9 @@ from typing import Any
 
 import pandas as pd
 
-from eaclutch.diagnosis.study import DiagnosisInputs
-from eaclutch.physics.effects import BASE
+from eaclutch.diagnosis.inputs import DiagnosisInputs
+from eaclutch.files import read_table
+from eaclutch.physics.effects import switched_on
 from eaclutch.records import Bench, BurstFeatures, CapacitanceReadings, InputError, Spectrum
 
 
@@ -39,10 +40,8 @@ def read_inputs(results: Path, bench: Bench, settings: Mapping[str, Any]) -> Dia
 def model_of(settings: Mapping[str, Any]) -> tuple[tuple[str, ...], dict[str, Any]]:
     """Effects that are switched on, and the keywords of ClutchModel, from the config's ``model`` section."""
     model = settings.get("model", {})
-    without = set(model.get("without") or ())
-    effects = tuple(name for name in (model.get("effects") or BASE) if name not in without)
     keys = ("roughness_rule", "roughness_cut", "force_multiplier_form")
-    return effects, {key: model[key] for key in keys if key in model}
+    return switched_on(model), {key: model[key] for key in keys if key in model}
 
 
 def readings(path: Path) -> CapacitanceReadings | None:
@@ -88,12 +87,5 @@ def bursts(path: Path) -> BurstFeatures | None:
 
 
 def _table(path: Path) -> pd.DataFrame | None:
-    if not path.exists():
-        return None
-    try:
-        table = pd.read_csv(path)
-    except pd.errors.EmptyDataError:
-        return None
-    except (pd.errors.ParserError, UnicodeDecodeError) as error:
-        raise InputError(path, f"unreadable ({error})", "rebuild it") from error
+    table = read_table(path) if path.exists() else ()
     return table if len(table) else None

@@ -16,8 +16,8 @@ from scipy.linalg import cho_factor, cho_solve, eigh, solve_triangular
 from scipy.special import logsumexp
 
 from eaclutch.diagnosis.covariance import Kernels
-from eaclutch.diagnosis.fit import scout_shifts
 from eaclutch.diagnosis.modulated import changes, gains
+from eaclutch.diagnosis.starts import scout_shifts
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import LIBRARY, named_scale
 from eaclutch.physics.effects import EFFECTS

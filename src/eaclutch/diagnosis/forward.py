@@ -149,8 +149,9 @@ class RepresentativeForward:
         scaled = full.readings.select(self.rows).predict(
             full.model, self.conditions, named, full.data.channels
         )
-        finite = np.where(np.isfinite(scaled), scaled, 0.0)
-        entries = finite[:, self.channel, self.place]
+        entries = scaled[:, self.channel, self.place]
+        off = full.data.values[: full.data.run_entries] + UNPREDICTED
+        entries = np.where(np.isfinite(entries), entries, off)
         return np.concatenate([entries, self.full.bench(named, draws)], axis=1)
 
 

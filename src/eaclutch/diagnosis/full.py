@@ -14,9 +14,9 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.special import gammaln, logsumexp
 
 from eaclutch.diagnosis.evidence import unrealised
-from eaclutch.diagnosis.fit import HypothesisFit
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import log_normal
+from eaclutch.diagnosis.hypothesis import HypothesisFit
 from eaclutch.diagnosis.study import Study
 from eaclutch.inference.moves import DEGREES_OF_FREEDOM, Target
 from eaclutch.inference.problem import Problem, digest
@@ -36,7 +36,7 @@ def finalists(diagnosis: Mapping[str, Any], most: int = 3) -> list[Effects]:
 
 
 def fit_of(study: Study, effects: Effects, diagnosis: Mapping[str, Any]) -> HypothesisFit:
-    """The finalist's fit, started from what the diagnosis found of each of its effects."""
+    """The finalist's fit; a pair's is also started from what the diagnosis found of each of its effects alone."""
     known = {cause["effect"]: cause.get("parameters", {}) for cause in diagnosis["causes"]}
     seeds = {
         f"{effect}.{name}": float(entry["mean"])

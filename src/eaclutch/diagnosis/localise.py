@@ -18,83 +18,15 @@ import numpy as np
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.gate import max_statistic
+from eaclutch.diagnosis.splits import Split, confounded, settings_of, splits_of
 from eaclutch.records import FloatArray
 
-CONFOUNDED = 0.8  # share of a split's variance that another factor explains, from which it is named
 SHOWN = 12  # rows of the table
-FEW_LEVELS = 6  # of a factor that is taken level by level; a level a run would explain anything
 MOST = 0.7  # share of an observable's gap that its place must hold
 NEARLY = 0.8  # of what the best split of a signature says, from which its overall mean says enough
 MORE = 1.4  # how much more concentrated than an even spread a place must be, to be named instead of "all"
 MOSTLY_ALL = 0.85  # a level that holds this share of the cells is no place of its own
 LEAST = 0.05  # share of the gap from which a place that the named effect explains is shown
-
-
-@dataclass(frozen=True)
-class Split:
-    """A factor cut in two: ``level`` names the side, ``member`` (conditions,) its weight in 0..1."""
-
-    factor: str
-    level: str
-    member: FloatArray
-
-
-def splits_of(data: DataVector, preload: FloatArray) -> list[Split]:
-    """Every two-way split of every factor over the run entries; member (run entries,)."""
-    n = data.run_entries
-    found = [Split("all", "all", np.ones(n))]
-    for factor, entry in settings_of(data, preload).items():
-        if factor == "session":
-            continue
-        for cut in _cuts(entry):
-            low = (entry <= cut).astype(float)
-            found += [Split(factor, f"<={cut:.3g}", low), Split(factor, f">{cut:.3g}", 1.0 - low)]
-    sessions = data.session[:n]
-    if len(set(sessions)) > 1:
-        found += [
-            Split("session", name, (sessions == name).astype(float)) for name in dict.fromkeys(sessions)
-        ]
-    return found
-
-
-def settings_of(data: DataVector, preload: FloatArray) -> dict[str, FloatArray]:
-    """{factor: its value at every run entry}; a session's is its number. A time at rest below a millisecond, a few
-    samples, is none."""
-    runs, n = data.conditions, data.run_entries
-    weights = _entry_average(data)
-    arrays = {
-        "voltage_v": runs.voltage,
-        "frequency_hz": runs.frequency,
-        "width_mm": runs.width * 1e3,
-        "thickness_mm": runs.thickness * 1e3,
-        "preload_n": preload,
-        "dwell_s": np.round(runs.dwell, 3),
-        "run_order": runs.run_order,
-    }
-    found = {factor: weights @ np.nan_to_num(values) for factor, values in arrays.items()}
-    session = np.unique(np.array(data.session[:n], dtype=str), return_inverse=True)[1]
-    return found | {"session": session.astype(float)}
-
-
-def _cuts(entry: FloatArray) -> list[float]:
-    """At most four cuts between distinct levels, at quantiles of the distinct values."""
-    distinct = np.unique(np.round(entry, 6))
-    if len(distinct) < 2:
-        return []
-    if len(distinct) <= 5:
-        return [float(v) for v in distinct[:-1]]
-    return sorted(
-        {float(v) for v in np.quantile(distinct, [0.2, 0.4, 0.6, 0.8], method="lower")} - {distinct[-1]}
-    )
-
-
-def _entry_average(data: DataVector) -> FloatArray:
-    """(run entries, runs): weights that average a run-level setting into an entry."""
-    n_runs = len(data.conditions)
-    folded = data.average.tocoo()
-    out = np.zeros((data.run_entries, n_runs))
-    out[folded.row, folded.col % n_runs] = folded.data
-    return out
 
 
 @dataclass(frozen=True)
@@ -269,29 +201,3 @@ def _share(
         return share, [0.0, 1.0]
     low, high = np.quantile(draws, [0.05, 0.95])
     return share, [min(float(low), share), max(float(high), share)]
-
-
-def confounded(split: Split, settings: Mapping[str, FloatArray]) -> list[str]:
-    """Factors whose values say (almost) which side of the split a run is on in this campaign's design: by its levels
-    where they are few, else by the best cut between them."""
-    if split.factor == "all" or np.std(split.member) == 0:
-        return []
-    return sorted(
-        factor
-        for factor, values in settings.items()
-        if factor != split.factor and _told_by(split.member, values) >= CONFOUNDED
-    )
-
-
-def _told_by(member: FloatArray, values: FloatArray) -> float:
-    """Share of the variance of ``member`` (entries,) that a factor's ``values`` (entries,) explain."""
-    levels, index = np.unique(values, return_inverse=True)
-    if len(levels) < 2:
-        return 0.0
-    sides = [(values <= cut).astype(int) for cut in levels[:-1]] if len(levels) > FEW_LEVELS else [index]
-    variance, best = float(np.var(member)), 0.0
-    for side in sides:
-        count = np.bincount(side)
-        mean = np.bincount(side, weights=member) / np.maximum(count, 1)
-        best = max(best, float(np.var(mean[side])) / variance)
-    return best

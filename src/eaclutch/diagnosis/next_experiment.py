@@ -10,7 +10,6 @@ import numpy as np
 from eaclutch.diagnosis.readings import Readings
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.verdict import Verdict
 from eaclutch.diagnosis.weigh import UNKNOWN
 from eaclutch.records import FloatArray, RunConditions
 
@@ -27,12 +26,12 @@ def next_experiments(
     study: Study,
     results: Sequence[CandidateResult],
     weights: Mapping[tuple[str, ...], float],
-    verdict: Verdict,
 ) -> list[dict[str, Any]]:
     """Contract's ``next_experiment``: the conditions of largest expected information, the best first.
 
     The information is that of which hypothesis is true, by the Bhattacharyya bound on a mixture of Gaussians
-    (Kolchinsky & Tracey 2017, doi:10.3390/e19070361), from the predictions at each hypothesis' own fit.
+    (Kolchinsky & Tracey 2017, doi:10.3390/e19070361), from the predictions at each hypothesis' own fit, the observables
+    taken as independent.
     """
     fitted = {r.effects: r for r in results}
     order = sorted((e for e in weights if e != UNKNOWN), key=lambda e: -weights[e])[:CONTENDERS]
@@ -77,7 +76,7 @@ def _separated(distance: FloatArray, p: FloatArray) -> tuple[int, int]:
 
 
 def _grid(study: Study) -> RunConditions:
-    """All settings worth asking for, as runs: widths that the campaign's substrates have."""
+    """All settings worth asking for, as runs of the campaign's last session: widths that its substrates have."""
     runs = study.conditions
     name = runs.substrate[0]
     thickness = {round(w * 1e3, 6): t for w, t in zip(runs.width, runs.thickness, strict=True)}
@@ -93,10 +92,11 @@ def _grid(study: Study) -> RunConditions:
     nearest = np.array([int(np.argmin(np.abs(np.log(runs.frequency / f)))) for f in table[:, 1]])
     n = len(rows)
     label = tuple(f"setting {i}" for i in range(n))
+    last = int(np.argmax(np.asarray(runs.session_number)))
     return RunConditions(
-        label, tuple(runs.session[i] for i in nearest), label, (name,) * n, table[:, 0], table[:, 1], table[:, 2],
+        label, (runs.session[last],) * n, label, (name,) * n, table[:, 0], table[:, 1], table[:, 2],
         table[:, 3], table[:, 4], np.full(n, np.nan), runs.drive_duration[nearest], runs.dwell[nearest],
-        np.zeros(n),
+        np.zeros(n), np.full(n, np.asarray(runs.session_number)[last]),
     )  # fmt: skip
 
 

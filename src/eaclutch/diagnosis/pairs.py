@@ -9,9 +9,10 @@ from itertools import combinations
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
 
-from eaclutch.diagnosis.fit import HypothesisFit, scout_shifts
+from eaclutch.diagnosis.hypothesis import HypothesisFit
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.spread import Spread
+from eaclutch.diagnosis.starts import scout_shifts
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import counted_evidence
 

@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from eaclutch.diagnosis.files import model_of
-from eaclutch.diagnosis.study import DiagnosisInputs, Study
+from eaclutch.diagnosis.inputs import DiagnosisInputs
+from eaclutch.diagnosis.study import Study
 from eaclutch.records import Campaign, InputError
 from eaclutch.simulation.noise import BenchNoise
 from eaclutch.simulation.observables import simulate_table
@@ -42,7 +43,7 @@ def planned_study(
     """A study of one data set that the model makes for the campaign's design."""
     effects, options = model_of(settings)
     rng = np.random.default_rng([seed, 31])
-    table = simulate_table(plan_of(campaign), campaign.bench, effects, {}, BenchNoise(), rng)
+    table = simulate_table(plan_of(campaign), campaign.bench, effects, {}, BenchNoise(), rng, **options)
     inputs = DiagnosisInputs(
         campaign.bench, table.runs, table.readings, table.spectra, table.bursts, effects,
         tuple(settings.get("diagnosis", {}).get("candidates") or ()), options, settings.get("priors") or {},

@@ -11,9 +11,9 @@ import numpy as np
 from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.evidence import NEGLIGIBLE, unrealised
-from eaclutch.diagnosis.fit import HypothesisFit
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised, log_normal
+from eaclutch.diagnosis.hypothesis import HypothesisFit
 from eaclutch.diagnosis.mode import Mode, find_mode
 from eaclutch.diagnosis.modulated import modulated_fit
 from eaclutch.diagnosis.nameless import Nameless, nameless_fit
@@ -49,7 +49,7 @@ def with_remainder(
     here = _Place(fitted.mode, fitted.linearised.w, fitted.linearised.jacobian)
     smooth, _ = _kept(forward, data, here, nameless.linearised, nameless.log_evidence)
     smooth += np.log1p(-share)
-    found = Remainder(float(smooth), nameless.discrepancy)
+    found, laws = Remainder(float(smooth), nameless.discrepancy), -np.inf
     covariance = kernels.total(
         signature=fitted.form, signature_tolerance=float(thresholds["signature_tolerance"])
     )
@@ -59,13 +59,13 @@ def with_remainder(
         if law is None or law.log_evidence + np.log(share) < smooth - NEGLIGIBLE:
             break
         kept, there = _kept(forward, data, here, law.linearised, law.log_evidence)
-        if kept + np.log(share) > found.log_evidence:
+        laws = max(laws, kept + np.log(share))
+        if laws > found.log_evidence:
             found = Remainder(kept + np.log(share), law.discrepancy, (law.quantity, law.setting))
         if there is here:
             break
         here = there
-    both = np.logaddexp(smooth, found.log_evidence) if found.law else smooth
-    return replace(found, log_evidence=float(both))
+    return replace(found, log_evidence=float(np.logaddexp(smooth, laws)))
 
 
 @dataclass(frozen=True)

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from eaclutch.records import FloatArray, RunConditions
+from eaclutch.rig.table import PRELOAD_EDGES
 
 SESSION_DOF = 2.0  # what the pooled repeat variance weighs against a session's own
-PRELOAD_EDGES = (0.25, 0.75, 1.5)  # N; bins inside which one slope against preload is removed
+BIN = "_p"  # what a condition's name has before its preload bin
 
 
 @dataclass(frozen=True)
@@ -23,6 +24,17 @@ class RepeatVariance:
 
     variance: float
     dof: int
+
+
+def preload_bins(conditions: Sequence[str], preload: FloatArray) -> np.ndarray:
+    """Labels (runs,) of the bins inside which one slope against preload is removed: the bins that the conditions are
+    named by, or those of ``preload`` [N] (runs,) where a name says none."""
+    edges = np.digitize(preload, PRELOAD_EDGES)
+    named = [
+        name.rpartition(BIN)[2] if BIN in name else str(edge)
+        for name, edge in zip(conditions, edges, strict=True)
+    ]
+    return np.unique(np.array(named, dtype=str), return_inverse=True)[1]
 
 
 def pooled_variance(

@@ -10,10 +10,10 @@ import numpy as np
 
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.data import DataVector
-from eaclutch.diagnosis.fit import HypothesisFit
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gate import adequacy, simulate_null
 from eaclutch.diagnosis.gaussian import LeaveOut, Linearised, given, leave_out
+from eaclutch.diagnosis.hypothesis import HypothesisFit
 from eaclutch.diagnosis.remainder import Remainder
 from eaclutch.records import FloatArray
 

@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from eaclutch.diagnosis import bench_channels
+from eaclutch.diagnosis.carried import carried
 from eaclutch.diagnosis.cells import Cells, cells_of, native_variances, repeat_variance
 from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.condense import condense
 from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
-from eaclutch.diagnosis.fit import HypothesisFit, fit_hypothesis, plain_fit_at
+from eaclutch.diagnosis.fit import fit_hypothesis, plain_fit_at
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.free_swing import charged, count_swings
 from eaclutch.diagnosis.gaussian import Linearised, log_normal, posterior_mean
+from eaclutch.diagnosis.hypothesis import HypothesisFit
+from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.diagnosis.mode import find_mode
 from eaclutch.diagnosis.nameless import Nameless, nameless_fit
 from eaclutch.diagnosis.readings import of_the_reading
@@ -30,44 +31,17 @@ from eaclutch.physics.effects import EFFECTS, LOOKALIKES, NAMED
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.prediction import OBSERVABLES
 from eaclutch.records import (
-    Bench,
-    BurstFeatures,
-    CapacitanceReadings,
     FloatArray,
     InputError,
     RunConditions,
-    Spectrum,
 )
 from eaclutch.rig.table import conditions_from_runs
 
 # Local error of the film's position: 1 us in a release time, half the cost of the default.
 SOLVER_TOLERANCE = 1e-3
-VERGE = 0.1  # of the force at switch-off: static friction scatters by several percent from run to run
-LARGEST_CARRIED = 0.5  # sd on the comparison scale; a run that starts on an edge is not worth less than that
 WORTH_OPENING = 3.0  # nats over the base model
 SAME_PLACE = 1.0  # nats between two fits of one hypothesis that ended in the same place
 SESSION_SPREADS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
-
-
-@dataclass(frozen=True)
-class DiagnosisInputs:
-    """What a diagnosis starts from.
-
-    table: runs.csv. readings, spectra, bursts: the calibration bench (None or empty where there is none).
-    effects: what the model has switched on; candidates: what may be named (default: all others).
-    model_options: further keywords of ClutchModel (roughness rule, form of the force multiplier).
-    priors: {parameter: (mean, sd)} that replace the built-in ones.
-    """
-
-    bench: Bench
-    table: pd.DataFrame
-    readings: CapacitanceReadings | None
-    spectra: tuple[Spectrum, ...]
-    bursts: BurstFeatures | None
-    effects: tuple[str, ...]
-    candidates: tuple[str, ...] = ()
-    model_options: Mapping[str, Any] | None = None
-    priors: Mapping[str, Sequence[float]] | None = None
 
 
 class Study:
@@ -110,9 +84,9 @@ class Study:
         rate = cell.stiffness.mean * inputs.bench.stage_speed
         quarter = 0.5 * np.pi * np.sqrt(cell.mass.mean / cell.stiffness.mean)
 
-        def data(explained: FloatArray | None = None, carried: FloatArray | None = None) -> DataVector:
+        def data(*explained: FloatArray) -> DataVector:
             return build(
-                self.table, self.conditions, entries, channels, thresholds, rate, quarter, explained, carried
+                self.table, self.conditions, entries, channels, thresholds, rate, quarter, *explained
             )
 
         first = data()
@@ -141,30 +115,15 @@ class Study:
         )
 
     def _explained(self, first: DataVector) -> tuple[FloatArray, FloatArray]:
-        """Run-level predictions of the base model after a first fit, (channels, runs), and the standard uncertainty
-        that they have from the measured forces they start from. A run that was measured to slip where the model sticks,
-        and would not with a little more force, says that it was on the verge, and nothing of its release."""
+        """Run-level predictions of the base model after a first fit, and what they are uncertain by, (channels, runs)
+        each."""
         forward = Forward(self.model(), first, (), self.priors)
         if self.known is None:
             fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
             self.first_fit = fitted.parameters
         else:
             _in_order(self.first_fit, forward)
-        named = {name: np.array([value]) for name, value in self.first_fit.items()}
-        plain = forward.runs(named)[0]
-        more = replace(first.conditions, switch_off_force=(1.0 + VERGE) * first.conditions.switch_off_force)
-        beyond = Forward(self.model(), replace(first, conditions=more), (), self.priors)
-        verge = forward.unpredicted(named)[0] & ~beyond.unpredicted(named)[0]
-        carried = np.where(verge, LARGEST_CARRIED, 0.0)
-        for name in ("friction_before", "switch_off_force"):
-            column = f"{name}_n_sd"
-            if column not in self.table:
-                continue
-            sd = np.nan_to_num(pd.to_numeric(self.table[column], errors="coerce").to_numpy(dtype=float))
-            conditions = replace(first.conditions, **{name: getattr(first.conditions, name) + sd})
-            moved = Forward(self.model(), replace(first, conditions=conditions), (), self.priors)
-            carried = np.hypot(carried, moved.runs(named)[0] - plain)
-        return plain, np.minimum(carried, LARGEST_CARRIED)
+        return carried(forward, self.table, self.first_fit)
 
     def generator(self, *stream: int) -> np.random.Generator:
         """A generator of its own for each purpose: the same whatever else ran before."""

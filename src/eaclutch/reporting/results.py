@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 import xarray as xr
 
-from eaclutch.files import read_json
+from eaclutch.files import read_json, read_table
 from eaclutch.records import FloatArray, InputError, ObservableInfo
 
 STAGES = ("contact", "dielectric", "load_cell", "force")
@@ -66,12 +66,7 @@ def read_results(folder: Path) -> Results:
     """Read ``results/<name>``. Raises InputError that names the file that is missing or broken."""
 
     def table(name: str) -> pd.DataFrame:
-        texts = {"run": str, "flags": str, "reasons": str, "reason": str, "session": str, "condition": str}
-        try:
-            found = pd.read_csv(folder / name, dtype=texts)
-        except pd.errors.EmptyDataError:
-            return pd.DataFrame()
-        return found.assign(**{key: found[key].fillna("") for key in texts if key in found})
+        return read_table(folder / name)
 
     try:
         capture = read_json(folder / "capture.json")

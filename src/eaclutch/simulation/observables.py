@@ -56,9 +56,11 @@ def simulate_table(
     parameters: Mapping[str, float],
     noise: BenchNoise,
     rng: np.random.Generator,
+    **options: Any,
 ) -> SimulatedTable:
-    """The campaign that ``simulate_campaign`` would write, as observables. Same arguments, no folder."""
-    model = ClutchModel(bench, tuple(effects))
+    """The campaign that ``simulate_campaign`` would write, as observables. Same arguments, no folder; ``options``:
+    further keywords of ClutchModel."""
+    model = ClutchModel(bench, tuple(effects), **options)
     values = {name: float(parameters.get(name, p.default)) for name, p in model.parameters.items()}
     preloads = np.exp(noise.preload_scatter_run * rng.standard_normal(len(plan.runs)))
     conditions = conditions_of(plan, bench, values, preloads)

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from eaclutch.physics.effects import BASE
+from eaclutch.physics.effects import switched_on
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import Bench, FloatArray
 from eaclutch.studies.sweep import Design, DesignMap, design_map
@@ -39,7 +39,7 @@ def model_of(bench: Bench, model: Mapping[str, Any]) -> ClutchModel:
     """The clutch of a bench as the config's ``model`` part asks for it."""
     return ClutchModel(
         bench,
-        [name for name in model["effects"] or BASE if name not in model["without"]],
+        switched_on(model),
         roughness_rule=model["roughness_rule"],
         roughness_cut=model["roughness_cut"],
         force_multiplier_form=model["force_multiplier_form"],

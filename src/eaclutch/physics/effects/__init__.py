@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import pkgutil
 from collections.abc import Mapping
+from typing import Any
 
 from eaclutch.physics.effect import Effect
 
@@ -30,3 +31,12 @@ BASE: tuple[str, ...] = tuple(name for name, effect in EFFECTS.items() if effect
 CANDIDATES: tuple[str, ...] = tuple(name for name, effect in EFFECTS.items() if effect.role == "candidate")
 LOOKALIKES: tuple[str, ...] = tuple(name for name, effect in EFFECTS.items() if effect.role == "lookalike")
 NAMED: tuple[str, ...] = tuple(name for name in EFFECTS if name not in LOOKALIKES)  # what a diagnosis may say
+
+
+def switched_on(model: Mapping[str, Any]) -> tuple[str, ...]:
+    """Names of the effects that the config's ``model`` section switches on: those of the base model where its
+    ``effects`` is null or missing, less ``without``."""
+    chosen = model.get("effects")
+    return tuple(
+        name for name in (BASE if chosen is None else chosen) if name not in (model.get("without") or ())
+    )

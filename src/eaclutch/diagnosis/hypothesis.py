@@ -1,0 +1,74 @@
+"""A hypothesis once fitted, and how far its effects move the prediction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from eaclutch.diagnosis.forward import Forward
+from eaclutch.diagnosis.gaussian import Linearised
+from eaclutch.diagnosis.mode import Mode
+from eaclutch.physics.effects import EFFECTS
+from eaclutch.records import FloatArray
+
+
+@dataclass(frozen=True)
+class HypothesisFit:
+    """A fitted hypothesis.
+
+    effects: the candidates on top of the campaign's model. linearised: at the mode, with the covariance of
+    the most probable multipliers; usual: the same with no wider a tolerance than an evidence may take.
+    residual (entries,): measured less predicted at the mode. signature (entries,): how far the effects themselves
+    move the prediction; form: of that, what another form of their laws might move. multipliers: the most probable
+    (tolerance, session). log_evidence: nats, averaged over the multipliers. peak: that of the most probable
+    multipliers, however wide; fits of one hypothesis from different starts are compared by it.
+    """
+
+    effects: tuple[str, ...]
+    mode: Mode
+    linearised: Linearised
+    usual: Linearised
+    residual: FloatArray
+    signature: FloatArray
+    form: FloatArray
+    multipliers: tuple[float, float]
+    log_evidence: float
+    peak: float
+    size: tuple[float, float]
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        return dict(zip(self.mode.names, self.mode.theta.tolist(), strict=True))
+
+
+def own_signature(forward: Forward, theta: FloatArray) -> FloatArray:
+    """How far the candidates move the prediction from neutral at ``theta``, (entries,)."""
+    if not forward.candidates:
+        return np.zeros(len(forward.data))
+    neutral = neutral_parameters(forward, theta)
+    both = forward.representative.predict(np.stack([theta, neutral]))
+    return both[0] - both[1]
+
+
+def form_signature(forward: Forward, theta: FloatArray) -> FloatArray:
+    """``own_signature`` of the candidates whose law might have another form, (entries,)."""
+    loose = [
+        i
+        for i, parameter in enumerate(forward.parameters)
+        if forward.own(parameter.name) and not EFFECTS[parameter.name.split(".")[0]].exact
+    ]
+    if not loose:
+        return np.zeros(len(forward.data))
+    both = forward.representative.predict(np.stack([theta, neutral_parameters(forward, theta, loose)]))
+    return both[0] - both[1]
+
+
+def neutral_parameters(forward: Forward, theta: FloatArray, which: Sequence[int] | None = None) -> FloatArray:
+    """``theta`` with the candidates' parameters, or ``which`` of them, at the value that switches an effect off."""
+    out = np.array(theta, dtype=float)
+    for i, parameter in enumerate(forward.parameters):
+        if forward.own(parameter.name) and parameter.neutral is not None and (which is None or i in which):
+            out[i] = parameter.neutral
+    return out

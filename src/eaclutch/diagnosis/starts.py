@@ -1,0 +1,116 @@
+"""Where the fits of a hypothesis start.
+
+An effect's own parameters are scouted over their prior from the fit of the model without it, the calibrated ones
+following linearly; a fit from scratch starts from the defaults and the best of draws around them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from scipy.linalg import cho_factor, cho_solve
+from scipy.special import ndtri
+from scipy.stats import qmc
+
+from eaclutch.diagnosis.covariance import Kernels
+from eaclutch.diagnosis.data import DataVector
+from eaclutch.diagnosis.forward import Forward
+from eaclutch.diagnosis.hypothesis import HypothesisFit, neutral_parameters
+from eaclutch.records import FloatArray
+
+SCOUTS = 64  # parameter sets of an effect tried before the fit
+SCOUT_WIDTH = 1.3  # in prior sds
+NEARLY_OFF = -1.5  # prior sds: a half-normal amplitude at a sixth of its scale, for zero lies out of reach
+SPREAD = 0.7  # prior sds, of the draws that a fit from scratch looks at
+BASE_STARTS = 4  # draws that a fit from scratch starts from, besides the defaults
+STARTS = 1  # scouted ones of which so many are fitted
+
+
+def starts(
+    forward: Forward,
+    data: DataVector,
+    kernels: Kernels,
+    size: tuple[float, float],
+    base: HypothesisFit | None,
+    beyond: HypothesisFit | None,
+    seeds: Mapping[str, float] | None,
+) -> list[FloatArray]:
+    """Where the fits of one hypothesis start, (params,) each in prior coordinates.
+
+    base, beyond, seeds: as for ``fit.fit_hypothesis``; size: multipliers (tolerance, session) of the fit to come.
+    """
+    covariance = kernels.total(tolerance=size[0], session=size[1])
+    if base is not None:
+        found = scout(forward, base, covariance)
+    elif not seeds or size[0] > 1.0:
+        found = _prior_starts(forward, data, covariance)
+    else:
+        found = []
+    if beyond is not None:
+        found += scout(forward, beyond, covariance)[1:]
+    if seeds:
+        known = np.array([seeds.get(p.name, p.default) for p in forward.parameters])
+        # what is known stands in for the base fit, and does at least as well
+        found = [*found[1:], np.clip(forward.priors.to_normal(known), -5.0, 5.0)]
+    return found
+
+
+def _prior_starts(forward: Forward, data: DataVector, covariance: FloatArray) -> list[FloatArray]:
+    """Where a fit from scratch starts: the defaults, and the best of many draws around them."""
+    default = forward.priors.to_normal(np.array([p.default for p in forward.parameters]))
+    points = qmc.Sobol(len(default), scramble=False).random(2 * SCOUTS)[1:]
+    u = default + SPREAD * ndtri(np.clip(points, 1e-6, 1 - 1e-6))
+    factor = cho_factor(covariance, lower=True)
+    gap = data.values - forward.representative.predict(forward.priors.from_normal(u))
+    cost = 0.5 * np.sum(gap.T * cho_solve(factor, gap.T), axis=0) + 0.5 * np.sum(u**2, axis=1)
+    return [default, *(u[i] for i in np.argsort(cost)[:BASE_STARTS])]
+
+
+def scout(forward: Forward, base: HypothesisFit, covariance: FloatArray) -> list[FloatArray]:
+    """Starts (params,) in prior coordinates: the best of many draws of the effect's own parameters, with the
+    calibrated ones where they would follow linearly."""
+    u, own = _scouts(forward, base)
+    if not own:
+        return [u[0]]
+    shift, cost = scout_shifts(forward, base)
+    factor = cho_factor(covariance + base.linearised.jacobian @ base.linearised.jacobian.T, lower=True)
+    w = base.linearised.w - shift
+    white = cho_solve(factor, w.T)
+    score = -0.5 * np.sum(w.T * white, axis=0) - cost
+    # the base fit itself comes first: a hypothesis that holds the base model must not do worse than it
+    neutral = forward.priors.to_normal(neutral_parameters(forward, forward.priors.from_normal(u[0]), own))
+    free = [p.neutral is None for p in forward.parameters]
+    off = np.where(free, NEARLY_OFF, np.maximum(neutral, NEARLY_OFF))
+    found = [np.where([i in own for i in range(u.shape[1])], off, u[0])]
+    for i in np.argsort(-score)[:STARTS]:
+        followed = dict(zip(base.mode.names, base.linearised.jacobian.T @ white[:, i], strict=True))
+        start = np.array([followed.get(name, u[i, k]) for k, name in enumerate(forward.priors.names)])
+        found.append(np.clip(start, -5.0, 5.0))
+    return found
+
+
+def scout_shifts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, FloatArray]:
+    """How far each scouted size of what ``forward`` has beyond ``base`` moves the entries, (scouts, entries), and its
+    prior cost (scouts,) in nats."""
+    u, own = _scouts(forward, base)
+    theta = forward.priors.from_normal(u)
+    neutral = neutral_parameters(forward, theta[0], own)
+    predicted = forward.representative.predict(np.concatenate([theta, neutral[None]]))
+    return predicted[:-1] - predicted[-1], 0.5 * np.sum(u[:, own] ** 2, axis=1)
+
+
+def _scouts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, list[int]]:
+    """Points (scouts, params) in prior coordinates: the base mode with draws of the candidates' own
+    parameters that it lacks; and which those are."""
+    known = dict(zip(base.mode.names, base.mode.u, strict=True))
+    default = forward.priors.to_normal(np.array([p.default for p in forward.parameters]))
+    mode = np.array([known.get(p.name, default[i]) for i, p in enumerate(forward.parameters)])
+    own = [i for i, p in enumerate(forward.parameters) if forward.own(p.name) and p.name not in known]
+    if not own:
+        return mode[None], own
+    u = np.tile(mode, (SCOUTS, 1))
+    # wider than the prior: effects larger than expected are scouted too
+    points = qmc.Sobol(len(own), scramble=False).random(2 * SCOUTS)[1 : SCOUTS + 1]
+    u[:, own] = SCOUT_WIDTH * ndtri(np.clip(points, 1e-6, 1 - 1e-6))
+    return u, own
