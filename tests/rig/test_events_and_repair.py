@@ -86,6 +86,34 @@ def test_a_flag_that_falls_as_another_wave_begins_is_not_off(frequency, surely, 
         assert "voltage_off_unsure" in events.flags
 
 
+@pytest.mark.parametrize("swing", [0.2, 0.5])
+def test_a_force_that_swings_back_as_the_next_wave_would_end_was_released(swing):
+    """Three quarters of a free swing after its release the force stands where it was held."""
+    half = 2.17e-3
+    waves = round(3.0 / half) // 2 * 2
+    recording, _, off = made(
+        frequency=0.5 / half, travel=waves * half * 0.5e-3, grounded_first=True, swing=swing
+    )
+    events = find_events(recording)
+    assert abs(events.off - off) <= 0.51 * STEP
+    assert "voltage_off_unsure" not in events.flags and "voltage_outlives_flag" not in events.flags
+
+
+def test_a_release_is_no_creep_and_has_no_time_where_its_instant_is_not_known():
+    """A film that is slow to open, or another half wave: off lies anywhere within 1.7 ms."""
+    half = 0.5 / 300.0
+    waves = round(3.0 / half) // 2 * 2
+    recording, _, _ = made(
+        frequency=300.0, travel=waves * half * 0.5e-3, grounded_first=True, delay=0.6e-3, fall=2.2e-3
+    )
+    stopped = replace(recording, settings=replace(recording.settings, travel=1.0e-3))
+    row = extract(stopped, Bench("test"))
+    assert "voltage_off_unsure" in row["flags"]
+    assert row["switch_off_force_n"] == pytest.approx(0.67, abs=5 * row["switch_off_force_n_sd"] + 0.002)
+    assert abs(row["hold_creep_n_s"]) < 5 * row["hold_creep_n_s_sd"] + 1e-3
+    assert np.isnan(row["release_time_50_s"]) and "release_time_50_s:off_unsure" in row["reasons"]
+
+
 def test_what_rests_on_an_instant_that_is_not_known_is_not_said():
     """A flag that lost lines at 50 Hz: off is known to half a period, the force there is not, and the end is."""
     recording, _, _ = made(frequency=50.0, final=0.06)

@@ -27,7 +27,8 @@ def _two_slips(first: float, second: float, zero: Estimate = KNOWN) -> Estimate:
     force[3500:] -= second
     noise = Noise(1e-3 * np.random.default_rng(4).standard_normal(4000), 1e-3)
     run = SimpleNamespace(
-        require_unbroken_hold=lambda: None, window=lambda start, end, least: slice(0, 4000), force=force,
+        require_unbroken_hold=lambda: None,
+        off_doubt=0.0, window=lambda start, end, least: slice(0, 4000), force=force,
         events=SimpleNamespace(on=0.0, off=1.0), zero=zero, step=78.125e-6, noise_moving=noise,
     )  # fmt: skip
     return OBSERVABLES["slip_fraction"].measure(run)

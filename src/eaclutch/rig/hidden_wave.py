@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from eaclutch.records import FloatArray, Recording
 from eaclutch.rig.columns_in_step import sample_spacing
@@ -14,6 +15,7 @@ QUIET = 0.1  # s before the flag falls that give the noise
 LEFT = 0.05  # of its way that a force has done where it has left its hold, beyond noise
 CLEAR = 4.0  # standard deviations
 RELEASED = 0.0015  # s after which a released force swings round its last level
+GONE = 0.9  # of its way that a force does in a release, though it may swing back, and in no slip
 UNSEEN = 0.0003  # s for which a force may hold by itself, the film still closed
 SHORT = 0.00075  # s for which a film may well stay closed after its voltage
 LONG = 0.0045  # s for which none holds by itself and then lets go just as a half wave ends
@@ -90,6 +92,9 @@ def outlives(time: FloatArray, force: FloatArray, fall: float, end: float) -> bo
         return None
     done = (held - float(np.mean(windows[2]))) / way
     doubt = CLEAR * noise.white_sd / (np.sqrt(len(windows[2])) * way)
+    meanwhile = uniform_filter1d(force[at:last], len(windows[2]), mode="nearest")
+    if (held - float(np.min(meanwhile))) / way > GONE:
+        return False
     if done > (0.5 if end - fall > RELEASED else LEFT + doubt):
         return False
     return True if end - fall > UNSEEN else None

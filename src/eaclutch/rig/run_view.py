@@ -208,10 +208,11 @@ class RunView:
 
     @cached_property
     def switch_off_level(self) -> Estimate:
-        """Median force of the last 3 ms before the voltage falls [N]. Raises Unusable."""
+        """Median force of the last 3 ms in which the voltage is surely on [N]. Raises Unusable."""
         if self.off_doubt > 0.5 * LAST:
             raise Unusable("off_unsure")
-        window = self.window(self.force_off - LAST, self.force_off, least=10)
+        off = self.force_off - self.off_doubt
+        window = self.window(off - LAST, off, least=10)
         force = self.force[window]
         # a slip within the window makes the median jump between two levels: noise goes onto the smoothed force
         smooth = uniform_filter1d(force, SLIP_SAMPLES)

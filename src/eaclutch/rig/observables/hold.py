@@ -45,11 +45,11 @@ def _start_ratio(run: RunView) -> Estimate:
 
 def _creep(run: RunView) -> Estimate:
     run.require_unbroken_hold()
-    events = run.events
-    start = max(events.off - CREEP_WINDOW, events.stage_stop + STAGE_SETTLING)
-    if events.off - start < SHORTEST_CREEP:
+    off = run.events.off - run.off_doubt  # the release is no creep
+    start = max(off - CREEP_WINDOW, run.events.stage_stop + STAGE_SETTLING)
+    if off - start < SHORTEST_CREEP:
         raise Unusable("stage_moves_until_off")
-    return slope(run, start, events.off)
+    return slope(run, start, off)
 
 
 OBSERVABLES = (

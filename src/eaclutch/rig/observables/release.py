@@ -30,6 +30,8 @@ def release_times(run: RunView) -> dict[float, Estimate]:
     smoothed force and go the same way once more.
     """
     run.require_in_step("off")
+    if run.off_doubt:
+        raise Unusable("off_unsure")
     events, noise = run.events, run.noise_rest
     start, final = run.switch_off_level, run.final_level
     drop = start.value - final.value

@@ -111,7 +111,7 @@ def _measure(run: RunView) -> Estimate:
     takes for the largest."""
     run.require_unbroken_hold()
     events = run.events
-    window = run.window(events.on + CLEAR, events.off - CLEAR, least=200)
+    window = run.window(events.on + CLEAR, events.off - run.off_doubt - CLEAR, least=200)
     force = run.force[window] - run.zero.value
     every = Slips.of(force, run.step)
     noise = run.noise_moving
