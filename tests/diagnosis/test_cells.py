@@ -7,7 +7,8 @@ import pandas as pd
 import pytest
 
 from eaclutch.diagnosis.cells import native_variances
-from eaclutch.diagnosis.channels import CHANNELS
+from eaclutch.diagnosis.channels import CHANNELS, channels_on
+from eaclutch.records import Bench, Gaussian, LoadCell
 
 CREEP = next(c for c in CHANNELS if c.name == "hold_creep_n_s")
 
@@ -36,3 +37,12 @@ def test_many_repeats_are_the_ruler_whatever_the_extractor_says():
     variance, dof = ruler(values, 2.1e-3)
     assert dof == 20
     assert variance == pytest.approx(np.sum((values - values.mean(axis=1, keepdims=True)) ** 2) / 20)
+
+
+def test_a_tolerance_is_a_share_of_what_the_bench_shows():
+    slow = Bench("slow", stage_speed=1e-4, load_cell=LoadCell(mass=Gaussian(4 * 0.0011004, 5e-5)))
+    units = {c.name: c.unit_scale for c in CHANNELS}
+    for channel, other in zip(channels_on(Bench("published")), channels_on(slow), strict=True):
+        assert channel.unit_scale == pytest.approx(units[channel.name], rel=1e-3)
+        factor = {"ramp": 0.2, "release": 2.0}.get(channel.block, 1.0)
+        assert other.unit_scale == pytest.approx(factor * channel.unit_scale)

@@ -11,6 +11,7 @@ import pytest
 from eaclutch.records import Bench
 from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.extract import extract
+from eaclutch.rig.fall import passing_times
 from eaclutch.rig.noise import Noise
 from eaclutch.rig.observables import OBSERVABLES
 from eaclutch.rig.observables.ramp import slope
@@ -101,3 +102,12 @@ def test_no_slope_is_read_between_edges_that_leave_hardly_a_sample():
     run = SimpleNamespace(window=lambda start, end: slice(0, 60), pick_up=hidden, time=time, force=time)
     with pytest.raises(Unusable, match="too_short"):
         slope(run, 0.0, 0.0045)
+
+
+def test_a_spike_after_a_fall_that_ends_at_once_is_no_part_of_it():
+    """A tip that sticks as it arrives stands a tenth of its way below the level of nine tenths: noise touches it."""
+    time = 78.125e-6 * np.arange(-8, 200)
+    force = np.interp(time, [0.0, 0.8e-3], [1.0, 0.0])
+    force[np.searchsorted(time, 1.6e-3)] = 0.15
+    (found,) = passing_times(time, force[None], np.array([0.1]), np.array([0.1]))
+    assert found == pytest.approx(0.72e-3, abs=0.02e-3)

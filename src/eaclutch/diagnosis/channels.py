@@ -6,15 +6,17 @@ wrong by the same amount everywhere, or divided by ``unit_scale``, so that 0.05 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from eaclutch.records import FloatArray
+from eaclutch.records import Bench, FloatArray
 
 Scale = Literal["log", "linear"]
+RAMP_RATE = 9.009  # N/s, and
+QUARTER_PERIOD = 0.388e-3  # s: of the published rig, on which CHANNELS' units are those stated
 
 
 @dataclass(frozen=True)
@@ -78,3 +80,14 @@ CHANNELS: tuple[Channel, ...] = (
     Channel("ringdown_damping_ratio", "1", "ringdown", "ringdown", "linear", 0.1, resolvable=False),
     Channel("baseline_shift_n", "N", "after", "after", "linear", 0.1),
 )
+
+
+def channels_on(bench: Bench) -> tuple[Channel, ...]:
+    """``CHANNELS`` in the units of a bench: ramps against the rate of its load train, releases against the quarter
+    period of its free tip, for a tolerance is a share of what the bench shows."""
+    cell = bench.load_cell
+    scales = {
+        "ramp": cell.stiffness.mean * bench.stage_speed / RAMP_RATE,
+        "release": 0.5 * np.pi * np.sqrt(cell.mass.mean / cell.stiffness.mean) / QUARTER_PERIOD,
+    }
+    return tuple(replace(c, unit_scale=c.unit_scale * scales.get(c.block, 1.0)) for c in CHANNELS)

@@ -11,7 +11,7 @@ import numpy as np
 from eaclutch.diagnosis import bench_channels
 from eaclutch.diagnosis.carried import carried
 from eaclutch.diagnosis.cells import Cells, cells_of, native_variances, repeat_variance
-from eaclutch.diagnosis.channels import CHANNELS
+from eaclutch.diagnosis.channels import channels_on
 from eaclutch.diagnosis.condense import condense
 from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
@@ -74,7 +74,11 @@ class Study:
             raise InputError(
                 "runs.csv", "no usable run", "look at its flags and reasons; nothing can be diagnosed"
             )
-        channels = [c for c in CHANNELS if c.resolvable and c.name in inputs.table and c.name in OBSERVABLES]
+        channels = [
+            c
+            for c in channels_on(inputs.bench)
+            if c.resolvable and c.name in inputs.table and c.name in OBSERVABLES
+        ]
         table = inputs.table[inputs.table["run"].isin(usable)].reset_index(drop=True)
         self.table, self.condensed = condense(table, len(channels))
         self.conditions: RunConditions = conditions_from_runs(self.table, inputs.bench)

@@ -2,7 +2,8 @@
 walls too. The touching width of a bent film is that of a line or of a rounded foot under load, which grows as the
 preload to a power between 1/2 (Hertz's line) and 1; a film that first has to be bent as far as the walls touches
 later, with a power above 1. So the normal force there is c P_ref (P / P_ref)^n. While the voltage is on, the electrodes
-that face the walls pull as well, by their Maxwell stress, which grows as V^2. To this force the friction is
+that face the walls pull as well: by a Maxwell stress that grows as V^2 across a given gap, and faster where the pull
+closes the gap of a rough contact, as it does at the pad. To this force the friction is
 proportional that the walls add beside base and film (static and kinetic, in the film's ratio), without the voltage a
 viscous damping of the sliding, and a damping of the film's lift, for the air has to get round the edges, too. Side
 friction is part of the friction before the voltage, from which the preload is known:
@@ -25,7 +26,7 @@ STEPS = 8  # of Newton in log P; the equation is convex there and its slope lies
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """Side friction c_f P_ref (P / P_ref)^n (kinetic; static in the film's ratio), (1 + g (V / V_0)^2) times that
+    """Side friction c_f P_ref (P / P_ref)^n (kinetic; static in the film's ratio), (1 + g (V / V_0)^m) times that
     with the voltage on, side damping c_d P_ref (P / P_ref)^n, and damping_factor + d N / P_ref with the walls' normal
     force N = c_f P_ref (P / P_ref)^n / mu_d."""
     p = inputs.parameters
@@ -35,7 +36,8 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
     preload = _pressed(inputs.preload, coefficient / sliding, exponent)
     foot = REFERENCE_PRELOAD * (preload / REFERENCE_PRELOAD) ** exponent
     kinetic = coefficient * foot
-    pull = np.asarray(values["drive_gain"]) * (inputs.conditions.voltage / REFERENCE_VOLTAGE) ** 2
+    relative = inputs.conditions.voltage / REFERENCE_VOLTAGE
+    pull = np.asarray(values["drive_gain"]) * relative ** np.asarray(values["voltage_exponent"])
     return sockets.with_(
         side_friction=sockets.side_friction + kinetic,
         side_friction_static=sockets.side_friction_static + kinetic * p["film_static"] / p["film_kinetic"],
@@ -106,7 +108,15 @@ EFFECT = Effect(
             0.0,
             Prior("halfnormal", 2.0),
             neutral=0.0,
-            description="further side-wall force at 300 V over that of the preload; grows as V^2",
+            description="further side-wall force at 300 V over that of the preload",
+        ),
+        Parameter(
+            "voltage_exponent",
+            "1",
+            (1.0, 6.0),
+            2.0,
+            Prior("normal", 2.5, 0.7),
+            description="that force grows as the voltage to this power",
         ),
     ),
     reference=(
@@ -122,5 +132,6 @@ EFFECT = Effect(
         "squeeze_ratio": rng.uniform(0.0, 1.5),
         "preload_exponent": rng.uniform(0.6, 1.6),
         "drive_gain": rng.uniform(0.0, 3.0),
+        "voltage_exponent": rng.uniform(2.0, 3.5),
     },
 )
