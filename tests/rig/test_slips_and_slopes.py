@@ -109,5 +109,5 @@ def test_a_spike_after_a_fall_that_ends_at_once_is_no_part_of_it():
     time = 78.125e-6 * np.arange(-8, 200)
     force = np.interp(time, [0.0, 0.8e-3], [1.0, 0.0])
     force[np.searchsorted(time, 1.6e-3)] = 0.15
-    (found,) = passing_times(time, force[None], np.array([0.1]), np.array([0.1]))
+    (found,) = passing_times(time, force[None], np.array([0.1]), np.array([0.1]), near_end=True)
     assert found == pytest.approx(0.72e-3, abs=0.02e-3)

@@ -8,7 +8,7 @@ from scipy.signal import savgol_coeffs
 from eaclutch.records import FloatArray
 
 BOTTOM = 0.0015  # s after a level is first passed in which the fall ends
-STAYS = 0.0003  # s below a level, after which another passing is none of the fall
+STAYS = 0.0003  # s below a level near the fall's end, after which another passing is none of the fall
 
 
 def smoothing_weights(drop_over_noise: float) -> FloatArray:
@@ -45,12 +45,14 @@ def over_pick_up(force: FloatArray, spoiled: np.ndarray) -> FloatArray:
     return filled
 
 
-def passing_times(time: FloatArray, force: FloatArray, levels: FloatArray, clear: FloatArray) -> FloatArray:
+def passing_times(
+    time: FloatArray, force: FloatArray, levels: FloatArray, clear: FloatArray, *, near_end: bool = False
+) -> FloatArray:
     """When each smoothed force (draws, samples) passes its ``levels`` (draws,) on the way down [s]; NaN if never.
 
     Noise makes a force pass a level several times: the mean of the first time and the last before the force is
-    ``clear`` (draws,) below the level (or, where it never is, at its lowest soon after) favours neither. A force that
-    has stayed below for a while may touch the level again where its fall ends just there, and is no longer falling.
+    ``clear`` (draws,) below the level (or, where it never is, at its lowest soon after) favours neither. ``near_end``:
+    a fall that ends no further below may touch the level again; once it has stayed below for a while it has passed.
     """
     count = force.shape[1]
     index = np.arange(count)
@@ -61,10 +63,11 @@ def passing_times(time: FloatArray, force: FloatArray, levels: FloatArray, clear
     lowest = np.argmin(np.where((index >= first[:, None]) & (index <= soon), force, np.inf), axis=1)
     far = force < (levels - clear)[:, None]
     end = np.where(far.any(axis=1), np.minimum(np.argmax(far, axis=1), lowest), lowest)
-    stays = max(2, round(STAYS / float(time[1] - time[0])))
-    padded = np.pad(below, ((0, 0), (0, stays - 1)))
-    ahead = np.all(np.lib.stride_tricks.sliding_window_view(padded, stays, axis=1), axis=2)
-    end = np.where(np.any(ahead, axis=1), np.minimum(end, np.argmax(ahead, axis=1)), end)
+    if near_end:
+        stays = max(2, round(STAYS / float(time[1] - time[0])))
+        padded = np.pad(below, ((0, 0), (0, stays - 1)))
+        ahead = np.all(np.lib.stride_tricks.sliding_window_view(padded, stays, axis=1), axis=2)
+        end = np.where(np.any(ahead, axis=1), np.minimum(end, np.argmax(ahead, axis=1)), end)
     still = ~below & (index < end[:, None])
     last = count - 1 - np.argmax(still[:, ::-1], axis=1)
     times = 0.5 * (_between(time, force, levels, first) + _between(time, force, levels, last + 1))

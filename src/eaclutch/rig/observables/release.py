@@ -46,7 +46,10 @@ def release_times(run: RunView) -> dict[float, Estimate]:
         known = np.where(driven, level[:, None], force)
         smooth = smoothed(over_pick_up(known, hidden), weights, level)
         way = level - end
-        shares = [passing_times(time, smooth, level - share * way, CLEAR * way) for share in SHARES]
+        shares = [
+            passing_times(time, smooth, level - share * way, CLEAR * way, near_end=share >= 1.0 - CLEAR)
+            for share in SHARES
+        ]
         return smooth, np.stack(shares)
 
     smooth, passed = passing(run.force[None, window], np.array([start.value]), np.array([final.value]))
