@@ -70,10 +70,6 @@ def model_arguments(model: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-def _runs(results: Path) -> pd.DataFrame:
-    return read_table(results / "runs.csv")
-
-
 def _bursts(results: Path) -> BurstFeatures:
     table = pd.read_csv(results / "bursts.csv", dtype=float)
     names = ("frequency_hz", "frequency_hz_sd", "damping_ratio", "damping_ratio_sd")
@@ -114,7 +110,9 @@ def stage_inputs(stage: str, campaign: Path, results: Path, chosen: Mapping[str,
         )  # fmt: skip
         return replace(inputs, readings=readings if len(readings.force) else None, contact=contact)
     form = model.get("force_multiplier_form", "linear")
-    return replace(inputs, capacity=capacity_data(_runs(results), opened.bench), multiplier_form=form)
+    return replace(
+        inputs, capacity=capacity_data(read_table(results / "runs.csv"), opened.bench), multiplier_form=form
+    )
 
 
 def _stray_of_effect(known: Mapping[str, Parameter]) -> float:
@@ -174,7 +172,7 @@ def predict(
         raise InputError(f"--job {job}", f"is none of {jobs}", f"give 0 to {jobs - 1}")
     chosen = parse_settings(settings)
     bench = load_bench(campaign)
-    runs = _runs(results)
+    runs = read_table(results / "runs.csv")
     model = chosen.get("model", {})
     arguments, form = model_arguments(model), model.get("force_multiplier_form", "linear")
     files = [path for stage in STAGES if (path := results / "posterior" / f"{stage}.nc").is_file()]
@@ -201,12 +199,8 @@ def predict(
 def predictions(parts: tuple[Path, ...], output: Path, coverage: Path) -> None:
     """One table of all jobs' predictions, given in the order of the jobs, and their calibration curves."""
     # read twice: no more than one part is ever in memory
-    write_csv(output, (shown(_part(path)) for path in parts))
-    write_json(coverage, curves_of(ranks_of(_part(path) for path in parts)))
-
-
-def _part(path: Path) -> pd.DataFrame:
-    return read_table(path)
+    write_csv(output, (shown(read_table(path)) for path in parts))
+    write_json(coverage, curves_of(ranks_of(read_table(path) for path in parts)))
 
 
 def measured_runs(runs: pd.DataFrame, bench: Bench) -> Measured:
