@@ -23,7 +23,8 @@ DAMPING = np.array(
 LARGEST_STEP = 3.0  # prior sds a parameter may move at once
 ITERATIONS = 8
 STEEP = 1.0  # change of an entry per prior sd that is looked at from the other side too
-ENOUGH = 0.05  # nats of predicted gain below which a fit has converged
+ENOUGH = 0.05  # nats of predicted gain below which a fit ends
+LITTLE = 1.0  # nats of predicted gain below which one that had to end has converged
 
 
 @dataclass(frozen=True)
@@ -81,11 +82,12 @@ def find_mode(
         cost = _cost(values - found, trials, factor)
         best = int(np.argmin(cost))
         if cost[best] > _cost(residual[None], u[None], factor)[0] - 1e-3:
-            converged = gain < 1.0
+            converged = gain < LITTLE
             if iteration > 0:
                 break
             continue
         u, predicted, jacobian = trials[best], found[best], None
+        converged = gain < LITTLE
     return mode_at(forward, u, factor, predicted, jacobian, converged)
 
 
