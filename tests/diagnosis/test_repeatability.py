@@ -38,4 +38,4 @@ def test_preload_bins_are_those_that_conditions_are_named_by():
         "brass_w2_t2_250V_10Hz_p0-0.2N",
     ]
     assert preload_bins(names, np.array([0.1, 0.22, 0.15])).tolist() == [0, 1, 0]
-    assert preload_bins(["a", "b", "c"], np.array([0.1, 0.22, 0.3])).tolist() == [0, 0, 1]
+    assert preload_bins(["a", "a_plate_300V", "c"], np.array([0.1, 0.22, 0.3])).tolist() == [0, 0, 1]

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from datetime import date
 from types import SimpleNamespace
 
 import jsonschema
@@ -10,7 +11,7 @@ import pytest
 
 from diagnosis.simulated import BENCH, CANDIDATES, CONDITIONS, inputs
 from eaclutch.cli.diagnosis import refuse_others
-from eaclutch.diagnosis.conclude import conclude, own_parameters, session_spread
+from eaclutch.diagnosis.conclude import conclude, own_parameters, session_spread, stopped
 from eaclutch.diagnosis.forward import UNPREDICTED
 from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.diagnosis.next_experiment import _grid, _variance
@@ -22,6 +23,9 @@ from eaclutch.diagnosis.study import Study
 from eaclutch.files import Document
 from eaclutch.physics.effects import BASE
 from eaclutch.records import InputError
+from eaclutch.simulation.noise import BenchNoise
+from eaclutch.simulation.observables import simulate_table
+from eaclutch.simulation.plan import Plan, sweep
 
 
 def diagnose(given):
@@ -281,3 +285,24 @@ def test_what_cannot_be_weighed_is_refused_by_name(names):
     refuse_others(study, ("gas_slip", "wet_film"))
     with pytest.raises(InputError, match=names[0]):
         refuse_others(study, names)
+
+
+def test_a_fit_that_stopped_short_is_said():
+    results = [
+        SimpleNamespace(effects=(), converged=True),
+        SimpleNamespace(effects=("gas_slip",), converged=False),
+    ]
+    assert stopped(results, {(): 0.9, ("gas_slip",): 0.1}) == []
+    assert stopped(results, {(): 0.1, ("gas_slip",): 0.9}) == [
+        "the fit with gas slip stopped before it had converged"
+    ]
+
+
+def test_a_forecast_has_data_of_the_model_that_it_fits():
+    """The clamped rule makes 0.76 of the published one's force (physics.md, item 3)."""
+    plan = Plan(sweep(CONDITIONS[:2], [date(2025, 3, 1)], 1, np.random.default_rng(1)))
+    strong, weak = (
+        simulate_table(plan, BENCH, BASE, {}, BenchNoise(), np.random.default_rng(2), roughness_rule=rule)
+        for rule in ("published", "clamped")
+    )
+    assert np.all(weak.truth["shear_capacity_n"] < 0.9 * strong.truth["shear_capacity_n"])

@@ -16,7 +16,7 @@ from eaclutch.rig.noise import Noise
 from eaclutch.rig.observables import OBSERVABLES
 from eaclutch.rig.observables.ramp import slope
 from eaclutch.rig.zero import NO_ZERO
-from rig.made_run import Made, make_run
+from rig.made_run import Made, make_run, release_time
 
 KNOWN = Estimate(0.0, 0.0)
 
@@ -107,7 +107,20 @@ def test_no_slope_is_read_between_edges_that_leave_hardly_a_sample():
 def test_a_spike_after_a_fall_that_ends_at_once_is_no_part_of_it():
     """A tip that sticks as it arrives stands a tenth of its way below the level of nine tenths: noise touches it."""
     time = 78.125e-6 * np.arange(-8, 200)
-    force = np.interp(time, [0.0, 0.8e-3], [1.0, 0.0])
+    force = np.interp(time, [0.0, 0.8e-3, 3e-3], [1.0, 0.03, 0.0])  # and creeps on
     force[np.searchsorted(time, 1.6e-3)] = 0.15
     (found,) = passing_times(time, force[None], np.array([0.1]), np.array([0.1]), near_end=True)
-    assert found == pytest.approx(0.72e-3, abs=0.02e-3)
+    assert found == pytest.approx(0.742e-3, abs=0.02e-3)
+
+
+def test_the_time_of_nine_tenths_is_that_of_the_fall_where_noise_touches_its_level_again():
+    made = Made(white=0.004)
+    recording, _, off = make_run(made, np.random.default_rng(3))
+    after = recording.time - off
+    # a hair above the last level at first, and one spike
+    force = recording.force + np.where(after > 0.9e-3, 0.04 * np.exp(-np.maximum(after, 0.0) / 4e-3), 0.0)
+    force[np.searchsorted(after, 1.7e-3) : np.searchsorted(after, 1.95e-3)] += 0.10
+    row = extract(replace(recording, force=force), Bench("test"))
+    assert row["release_time_90_s"] == pytest.approx(
+        release_time(made, 0.9), abs=4 * row["release_time_90_s_sd"]
+    )

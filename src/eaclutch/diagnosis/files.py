@@ -87,5 +87,5 @@ def bursts(path: Path) -> BurstFeatures | None:
 
 
 def _table(path: Path) -> pd.DataFrame | None:
-    table = read_table(path) if path.exists() else ()
+    table = read_table(path) if path.exists() else pd.DataFrame()
     return table if len(table) else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,7 @@ from eaclutch.records import FloatArray, RunConditions
 from eaclutch.rig.table import PRELOAD_EDGES
 
 SESSION_DOF = 2.0  # what the pooled repeat variance weighs against a session's own
-BIN = "_p"  # what a condition's name has before its preload bin
+BIN = re.compile(r"_p([\d.e+-]+(?:inf)?N|unknown)$")  # the preload bin that a condition's name ends in
 
 
 @dataclass(frozen=True)
@@ -31,7 +32,7 @@ def preload_bins(conditions: Sequence[str], preload: FloatArray) -> np.ndarray:
     named by, or those of ``preload`` [N] (runs,) where a name says none."""
     edges = np.digitize(preload, PRELOAD_EDGES)
     named = [
-        name.rpartition(BIN)[2] if BIN in name else str(edge)
+        found[1] if (found := BIN.search(name)) else str(edge)
         for name, edge in zip(conditions, edges, strict=True)
     ]
     return np.unique(np.array(named, dtype=str), return_inverse=True)[1]

@@ -9,7 +9,7 @@ from click.testing import CliRunner
 
 from eaclutch.cli.physics import effects
 from eaclutch.physics import effect_table
-from eaclutch.physics.effects import EFFECTS
+from eaclutch.physics.effects import BASE, EFFECTS, switched_on
 
 PAGE = Path(__file__).resolve().parents[3] / "docs" / "effects.md"
 
@@ -31,3 +31,9 @@ def test_json_says_bounds_and_neutral():
     assert found["trapped_charge"]["residual_fraction"]["neutral"] == 0.0
     assert found["trapped_charge"]["residual_fraction"]["bounds"] == [0.0, 0.98]
     assert found["trapped_charge"]["decay_time"]["neutral"] is None
+
+
+def test_an_empty_list_switches_nothing_on_and_null_the_base_model():
+    assert switched_on({"effects": []}) == ()
+    assert switched_on({"effects": None, "without": ["air_gap"]}) == tuple(n for n in BASE if n != "air_gap")
+    assert switched_on({}) == BASE

@@ -47,7 +47,7 @@ def release_times(run: RunView) -> dict[float, Estimate]:
         smooth = smoothed(over_pick_up(known, hidden), weights, level)
         way = level - end
         shares = [
-            passing_times(time, smooth, level - share * way, CLEAR * way, near_end=share >= 1.0 - CLEAR)
+            passing_times(time, smooth, level - share * way, CLEAR * way, near_end=1.0 - share <= CLEAR)
             for share in SHARES
         ]
         return smooth, np.stack(shares)
