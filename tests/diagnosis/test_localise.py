@@ -157,16 +157,17 @@ def test_a_session_a_run_explains_nothing():
 def test_averaged_settings_are_the_settings(campaign):
     """Weights of a mean that add to 1 but for a bit put no run on the wrong side of a cut."""
     data, _, _ = campaign
-    thirds = sparse.csr_matrix(np.full((1, 3), 1.0 / 3.0))
-    rows = sparse.vstack([sparse.hstack([sparse.csr_matrix((1, 3 * i)), thirds, sparse.csr_matrix((1, 21 - 3 * i))])
-                          for i in range(8)])  # fmt: skip
     runs = data.conditions
     runs.voltage = np.repeat([200.1, 233.3, 250.7, 300.3], 6)
+    weights = np.random.default_rng(1).uniform(0.5, 2.0, (8, 3))
+    average = np.zeros((8, RUNS))
+    for i, share in enumerate(weights / weights.sum(axis=1, keepdims=True)):
+        average[i, 3 * i : 3 * i + 3] = share
+    assert len(np.unique(average @ runs.voltage)) > 4  # what a plain mean would take for levels
     few = SimpleNamespace(
-        conditions=runs, average=sparse.csr_matrix(rows), run_entries=8, session=np.array(["A"] * 8)
+        conditions=runs, average=sparse.csr_matrix(average), run_entries=8, session=np.array(["A"] * 8)
     )
-    found = settings_of(few, np.full(RUNS, 0.1))["voltage_v"]
-    assert len(np.unique(found)) == 4
+    assert len(np.unique(settings_of(few, np.full(RUNS, 0.1))["voltage_v"])) == 4
     low = next(
         s for s in splits_of(few, np.full(RUNS, 0.1)) if s.factor == "voltage_v" and s.level == "<=233"
     )

@@ -13,7 +13,7 @@ from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.extract import extract
 from eaclutch.rig.fall import passing_times
 from eaclutch.rig.noise import Noise
-from eaclutch.rig.observables import OBSERVABLES
+from eaclutch.rig.observables import OBSERVABLES, hold
 from eaclutch.rig.observables.ramp import slope
 from eaclutch.rig.zero import NO_ZERO
 from rig.made_run import Made, make_run, release_time
@@ -124,3 +124,11 @@ def test_the_time_of_nine_tenths_is_that_of_the_fall_where_noise_touches_its_lev
     assert row["release_time_90_s"] == pytest.approx(
         release_time(made, 0.9), abs=4 * row["release_time_90_s_sd"]
     )
+
+
+def test_a_creep_ends_where_the_voltage_is_surely_on(monkeypatch):
+    monkeypatch.setattr(hold, "slope", lambda run, start, end: (start, end))
+    run = SimpleNamespace(
+        require_unbroken_hold=lambda: None, off_doubt=0.002, events=SimpleNamespace(off=2.0, stage_stop=0.5)
+    )
+    assert OBSERVABLES["hold_creep_n_s"].measure(run) == pytest.approx((1.698, 1.998))
