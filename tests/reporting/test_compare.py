@@ -26,5 +26,5 @@ def test_what_moved_most_comes_first(results_folder: Path, tmp_path: Path) -> No
     assert (found[0].name, found[0].unit) == ("mass", "g")
     assert found[0].distance == pytest.approx(5 / 2**0.5)
     html = render_comparison(first, second)
-    assert "explained by trapped charge" in html and "No gap beyond repeatability" in html
+    assert "explained by trapped charge" in html and "No gap that needs a missing effect" in html
     assert html.count('class="chosen"') == 1

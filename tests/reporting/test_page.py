@@ -71,7 +71,11 @@ def test_the_first_screen_says_the_verdict_and_its_caveats(results_folder: Path)
 @pytest.mark.parametrize(
     ("verdict", "words"),
     [
-        ({"effects": []}, "No gap beyond repeatability"),
+        (
+            {"effects": []},
+            "No gap that needs a missing effect (probability 88 %); the model misses by more than noise does "
+            "(3.1 against 1.1), no further than its base laws may be off.",
+        ),
         ({"effects": [], "alternatives": [["gap_tilt"]]}, "but gap tilt cannot be ruled out"),
         ({"effects": ["unknown"]}, "nothing in the library of effects explains it"),
         ({"effects": ["unknown"], "alternatives": [[]]}, "that there is no gap cannot be ruled out"),
@@ -105,6 +109,17 @@ def test_the_first_screen_says_the_verdict_and_its_caveats(results_folder: Path)
 )
 def test_other_verdicts(results_folder: Path, verdict: dict, words: str) -> None:
     assert words in heading(page(results_folder, **verdict))
+
+
+def test_a_gap_at_the_noise_floor_is_none(results_folder: Path) -> None:
+    path = results_folder / "diagnosis" / "diagnosis.json"
+    document = read_json(path)
+    document["gap"]["total"]["before"] = 1.9 * document["gap"]["total"]["noise_floor"]
+    write_json(path, document)
+    assert heading(page(results_folder, effects=[])) == (
+        "No gap beyond repeatability: the model predicts what it has not seen as well as repeats allow "
+        "(probability 88 %)."
+    )
 
 
 def test_an_effect_that_leaves_a_gap_explains_it_partly(results_folder: Path) -> None:

@@ -12,6 +12,9 @@ from eaclutch.reporting.words import FACTORS, effect_words, number, observable_w
 MOST_OF_IT = 0.8  # of the closable gap; what closes less explains a part
 PROBABLE = 0.8  # from which on a rival is one that cannot be ruled out, and below it one that does as well
 LEAST_SHIFT = 0.5  # posterior standard deviations; smaller moves say nothing
+ABOVE_FLOOR = (
+    2.0  # times the noise floor, from which on a gap without a name is said to be the base laws' own
+)
 MOST_SHIFTS = 8  # of the ledger's entries on the page; the rest stands in the file
 _SIGNS = {"<=": "≤", ">=": "≥", "<": "<", ">": ">"}
 
@@ -23,7 +26,12 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
     others = verdict.get("alternatives") or []
     if not effects and others:
         listed = " or ".join(effect_words(names) for names in others)
-        return f"Most probably there is no gap beyond repeatability ({probability}), but {listed} cannot be ruled out."
+        return (
+            f"Most probably there is no gap beyond repeatability ({probability}), but {listed} cannot be ruled out"
+            f"{_tolerated(diagnosis)}."
+        )
+    if not effects and _tolerated(diagnosis):
+        return f"No gap that needs a missing effect (probability {probability}){_tolerated(diagnosis)}."
     if not effects:
         return (
             "No gap beyond repeatability: the model predicts what it has not seen as well as repeats allow "
@@ -55,6 +63,19 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
         closed += f"; whether {listed} is needed for that, these data cannot tell"
     partly = "partly " if _left(diagnosis) else ""
     return f"The gap is {partly}explained by {named} (probability {probability}){closed}."
+
+
+def _tolerated(diagnosis: Mapping[str, Any]) -> str:
+    """``; the model misses by more than noise does (9.6 against 3.1), ...`` where the gap stands well above its floor
+    though no effect is named; else empty."""
+    total = (diagnosis.get("gap") or {}).get("total") or {}
+    before, floor = total.get("before"), total.get("noise_floor")
+    if before is None or floor is None or before <= ABOVE_FLOOR * floor:
+        return ""
+    return (
+        f"; the model misses by more than noise does ({number(before, 2)} against {number(floor, 2)}), "
+        "no further than its base laws may be off"
+    )
 
 
 def _not_ruled_out(others: Sequence[Sequence[str]]) -> str:
