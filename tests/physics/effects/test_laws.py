@@ -236,6 +236,21 @@ def test_contact_ages_with_the_load_that_the_stage_takes_up(fill, inputs):
     )
 
 
+def test_contact_aging_may_be_a_power_of_time_or_end(fill):
+    """The ramp lasts 0.111000 s: 2 (sqrt(2.11) - 1) at n = 1/2; at n = -1 never more than the rate."""
+    factors = {
+        n: np.asarray(
+            fill("contact_aging", rate=0.05, onset_time=0.1, exponent=n).static_factor_ramp
+        ).ravel()[0]
+        for n in (0.5, 1e-9, 0.0, -1.0)
+    }
+    assert factors[0.5] == pytest.approx(1.0 + 0.05 * 2.0 * (np.sqrt(2.11) - 1.0), rel=1e-5)
+    assert factors[1e-9] == pytest.approx(factors[0.0], rel=1e-9)
+    assert factors[-1.0] == pytest.approx(1.0 + 0.05 * 1.11 / 2.11, rel=1e-5)
+    late = fill("contact_aging", rate=0.05, onset_time=1e-6, exponent=-1.0)
+    assert np.all(np.asarray(late.static_factor_ramp) < 1.05)
+
+
 def test_spreads_of_the_gap_join_by_their_variances(fill):
     filled = fill("gap_tilt", sockets=Sockets(gap_spread_sd=3e-6), angle=4e-6 * np.sqrt(12.0) / 2e-3)
     np.testing.assert_allclose(np.asarray(filled.gap_spread_sd)[0], 5e-6)
