@@ -26,6 +26,14 @@ Rates = Callable[[float, FloatArray], FloatArray]
 
 
 @njit(cache=True)
+def tension_grown(h, p, gap_before):
+    """By how much the film holds more at h than before the voltage [N]."""
+    free = max(p.film_free_gap, gap_before)
+    now, before = free - h, free - gap_before
+    return p.film_spring * (now - before + p.film_hardening * (now**3 - before**3))
+
+
+@njit(cache=True)
 def rates(t, y, p, load, gap_before, phase, mode, table):
     """dy/dt of (h, v, x, u); mode 0: the tip does not move, 1 back, 2 forward, 3 free."""
     net = net_force(p, fields_at(p, t, phase, table), y[0], y[1], load, gap_before, table)
@@ -36,12 +44,7 @@ def rates(t, y, p, load, gap_before, phase, mode, table):
         friction, stiffness, mass, damping = 0.0, p.stiffness, p.mass, p.load_cell_damping
         if mode < 3:
             lift, _ = contact(p, y[0], table)
-            base = (
-                p.substrate_weight
-                + load
-                + net
-                - p.film_spring * (gap_before - y[0]) * (1.0 + p.film_hardening * (gap_before - y[0]) ** 2)
-            )
+            base = p.substrate_weight + load + net - tension_grown(y[0], p, gap_before)
             weak = 1.0 - p.weakening_depth * (1.0 - np.exp(-abs(y[3]) / p.weakening_speed))
             friction = weak * (p.base_kinetic * base + p.film_kinetic * lift) + p.side_friction
             friction = friction if mode == 1 else -friction
@@ -57,12 +60,7 @@ def static_margin(t, y, p, load, gap_before, table):
     """Static friction less the tip's force [N]."""
     net = net_force(p, fields_at(p, t, RELEASING, table), y[0], y[1], load, gap_before, table)
     lift, _ = contact(p, y[0], table)
-    base = (
-        p.substrate_weight
-        + load
-        + net
-        - p.film_spring * (gap_before - y[0]) * (1.0 + p.film_hardening * (gap_before - y[0]) ** 2)
-    )
+    base = p.substrate_weight + load + net - tension_grown(y[0], p, gap_before)
     static = p.static_factor_release * (p.base_static * base + p.film_static * lift) + p.side_friction_static
     kinetic = p.base_kinetic * base + p.film_kinetic * lift + p.side_friction
     return max(static, kinetic) - p.stiffness / (1.0 + p.stiffness * p.series_compliance) * y[2]

@@ -41,7 +41,7 @@ OPENED = {
     "edge_wrap": {},
     "trapped_charge": {"residual_fraction": 0.4},
     "gas_slip": {},
-    "film_tension": {"stiffness": 1e6, "hardening": 2e11},
+    "film_tension": {"stiffness": 1e6, "hardening": 2e11, "free_gap": 9e-6},
     "surface_adhesion": {},
     "gap_tilt": {"angle": 4e-3, "levelling": 0.0},
     "contact_aging": {},

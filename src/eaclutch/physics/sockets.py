@@ -58,9 +58,10 @@ class Sockets:
     damping_factor: FloatArray | float = 0.0  # multiplies the squeeze-film coefficient; 0 = no squeeze film
     slip_length: FloatArray | float = 0.0  # m; F_b = -c / (h^2 (h + 6 slip_length)) dh/dt
     film_spring: FloatArray | float = (
-        0.0  # N/m; carries film_spring * y (1 + film_hardening y^2) of the load, ..
+        0.0  # N/m; carries film_spring * (f(y) - f(y_before)) of the load, f(y) = y (1 + film_hardening y^2), ..
     )
-    film_hardening: FloatArray | float = 0.0  # 1/m2; .. y = h_before - h
+    film_hardening: FloatArray | float = 0.0  # 1/m2; .. y = y_before + h_before - h, ..
+    film_free_gap: FloatArray | float = 0.0  # m; .. y_before = film_free_gap - h_before, no less than 0
     # friction
     friction_factor: FloatArray | float = (
         1.0  # multiplies all four coefficients throughout (the preload follows from the same friction)

@@ -96,8 +96,12 @@ CASES = {
     ),
     "gas_slip": ({"mean_free_path": 1e-6}, {"slip_length": 1e-6}),
     "film_tension": (
-        {"stiffness": 2e6, "width_exponent": 0.5, "hardening": 3e10},
-        {"film_spring": [1.11e5, 1.11e5, 1.5697771e5, 1.11e5], "film_hardening": 3e10},
+        {"stiffness": 2e6, "width_exponent": 0.5, "hardening": 3e10, "free_gap": 8e-6},
+        {
+            "film_spring": [1.11e5, 1.11e5, 1.5697771e5, 1.11e5],
+            "film_hardening": 3e10,
+            "film_free_gap": 8e-6,
+        },
     ),
     # exp(0.75 * 0.2) on the force, exp(0.25 * 0.2) on friction, in the second session only
     "session_drift": (

@@ -32,7 +32,7 @@ def net_force(p, fields, h, v, load, gap_before, tables):
     down = electroadhesion(p, fields, h, tables)
     pull, _ = adhesion(p, h)
     c, _ = squeeze(p, h)
-    held, _ = tension(p, gap_before - h)
+    held, _ = tension(p, gap_before, h)
     return up - down - pull - load + held - c * v
 
 
@@ -43,7 +43,7 @@ def net_force_slopes(p, t, h, v, load, gap_before, phase, tables):
     down, down_h, down_t = electroadhesion_slopes(p, t, phase, h, tables)
     pull, pull_h = adhesion(p, h)
     c, c_h = squeeze(p, h)
-    held, stiff = tension(p, gap_before - h)
+    held, stiff = tension(p, gap_before, h)
     net = up - down - pull - load + held - c * v
     return net, up_h - down_h - pull_h - stiff - c_h * v, -c, -down_t
 

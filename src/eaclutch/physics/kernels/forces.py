@@ -70,10 +70,14 @@ def level_adhesion(p, h):
 
 
 @inlined
-def tension(p, drawn):
-    """(force of the film drawn down by ``drawn`` [m], its derivative) [N, N/m]."""
-    hard = p.film_hardening * drawn * drawn
-    return p.film_spring * drawn * (1.0 + hard), p.film_spring * (1.0 + 3.0 * hard)
+def tension(p, gap_before, h):
+    """(force of the film drawn down from ``gap_before`` to ``h`` [m], its derivative by the way down) [N, N/m]; a film
+    whose free gap is wider was drawn before, and has hardened."""
+    before = max(p.film_free_gap - gap_before, 0.0)
+    drawn = before + gap_before - h
+    hard, hard_before = p.film_hardening * drawn * drawn, p.film_hardening * before * before
+    force = p.film_spring * (drawn * (1.0 + hard) - before * (1.0 + hard_before))
+    return force, p.film_spring * (1.0 + 3.0 * hard)
 
 
 @inlined

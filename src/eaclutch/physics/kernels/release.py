@@ -109,8 +109,8 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
                 new_inertia = 0.0
             new_lift, slope = contact(p, new_h, tables)
             new_rate = slope * new_v
-        base_a = p.substrate_weight + load + inertia - tension(p, gap_before - h)[0]
-        base_b = p.substrate_weight + load + new_inertia - tension(p, gap_before - new_h)[0]
+        base_a = p.substrate_weight + load + inertia - tension(p, gap_before, h)[0]
+        base_b = p.substrate_weight + load + new_inertia - tension(p, gap_before, new_h)[0]
         # the gap in the middle of the step by its cubic; the contact force there is far from one
         mid_h = 0.5 * (h + new_h) + 0.125 * dt * (v - new_v)
         mid_v = 1.5 * (new_h - h) / dt - 0.25 * (v + new_v)

@@ -20,7 +20,7 @@ ROW = np.dtype(
             # contact: contact_scale = k L w sigma^1.5, sigma the roughness; gap_half_spread [m] of an even spread
             "contact_scale", "sigma", "inverse_sigma", "gap_half_spread", "adhesion_force", "adhesion_range",
             # film: damping [N s m2] so that F_b = -damping / (h^2 (h + 6 slip_length)) dh/dt
-            "film_mass", "film_weight", "damping", "slip_length", "film_spring", "film_hardening",
+            "film_mass", "film_weight", "damping", "slip_length", "film_spring", "film_hardening", "film_free_gap",
             # friction
             "film_static", "film_kinetic", "base_static", "base_kinetic", "substrate_weight", "side_friction",
             "side_friction_static", "side_drive_factor", "side_damping", "static_factor_release",

@@ -77,7 +77,7 @@ def rest_before(p, tables):
 def net_log(p, h, load, gap_before, force, force_h, tables):
     """(log of what lifts over what presses, its slope in h); positive where the film is pushed up."""
     up, up_h = contact(p, h, tables)
-    held, stiff = tension(p, gap_before - h)
+    held, stiff = tension(p, gap_before, h)
     up += held
     up_h -= stiff
     pull, pull_h = adhesion(p, h)
