@@ -25,7 +25,7 @@ import numpy as np
 from measurement import record
 from scipy.optimize import minimize
 from scipy.special import expit, logit, softmax
-from weighed import rows_wider, weigh_all
+from weighed import rows_left, weigh_all
 
 from eaclutch.blind import plan
 from eaclutch.cli.blind_methods import read_case
@@ -69,7 +69,7 @@ def loss(
     """Mean weighted log score, the lower the better."""
     total = 0.0
     for answer, rows in cases:
-        found = probabilities(rows, adjusted(thresholds, x), rows_wider(rows))
+        found = probabilities(rows, adjusted(thresholds, x), rows_left(rows))
         weights = {frozenset(k): v for k, v in found.items()}
         total -= WEIGHTS[answer["kind"]] * np.log(max(weights.get(frozenset(answer["verdict"]), 0.0), FLOOR))
     return total / len(cases)
@@ -79,7 +79,7 @@ def outcome(thresholds: Mapping[str, Any], cases: Sequence[tuple[Mapping[str, An
     """Shares by kind of case: right verdict, named, probability on the truth, truth in the set, its size."""
     rows: dict[str, list[list[float]]] = defaultdict(list)
     for answer, found in cases:
-        weights = probabilities(found, thresholds, rows_wider(found))
+        weights = probabilities(found, thresholds, rows_left(found))
         verdict = decide(weights, found, thresholds)
         truth = frozenset(answer["verdict"])
         offered = [frozenset(verdict.effects), *map(frozenset, verdict.alternatives)]

@@ -22,7 +22,7 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 from measurement import record
 from scipy.stats import binomtest
-from weighed import rows_wider, weigh_all
+from weighed import rows_left, weigh_all
 
 from eaclutch.blind import plan
 from eaclutch.diagnosis.settings import load_thresholds
@@ -45,7 +45,7 @@ def wrong_names(cases: Sequence[tuple[Mapping[str, Any], Any]]) -> dict[str, Any
     said: dict[str, Counter[str]] = defaultdict(Counter)
     for answer, found in cases:
         put_in = " and ".join(entry["effect"] for entry in answer["effects"]) or "no effect"
-        verdict = decide(probabilities(found, thresholds, rows_wider(found)), found, thresholds).effects
+        verdict = decide(probabilities(found, thresholds, rows_left(found)), found, thresholds).effects
         said[put_in][" and ".join(verdict) or "none"] += 1
     counts = sum(said.values(), Counter[str]())
     named = sum(count for verdict, count in counts.items() if verdict not in ("none", "unknown"))

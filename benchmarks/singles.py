@@ -18,7 +18,7 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 from measurement import record
 from nameless import LIMITS, share
-from weighed import rows_wider, weigh_all
+from weighed import rows_left, weigh_all
 
 from eaclutch.blind import plan
 from eaclutch.diagnosis.settings import load_thresholds
@@ -40,7 +40,7 @@ def main() -> None:
     )
     thresholds, said = load_thresholds(), []
     for answer, found in weigh_all(entries, chosen.work, chosen.jobs):
-        weights = probabilities(found, thresholds, rows_wider(found))
+        weights = probabilities(found, thresholds, rows_left(found))
         verdict = decide(weights, found, thresholds)
         (truth,) = (entry["effect"] for entry in answer["effects"])
         said.append(

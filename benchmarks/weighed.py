@@ -14,7 +14,7 @@ from typing import Any
 from eaclutch.blind import plan
 from eaclutch.blind.generate import generate_case, write_tables
 from eaclutch.cli.blind_methods import read_case
-from eaclutch.diagnosis.closure import surely_wider
+from eaclutch.diagnosis.closure import surely_left
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
@@ -35,7 +35,7 @@ class Weighed:
     gap_left_out: float
     adequate_p: float
     multipliers: tuple[float, float]
-    wider: bool
+    left: float
     remainder_law: tuple[str, ...]
 
 
@@ -51,7 +51,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
     study = Study(read_case(folder, "library", {}), load_thresholds())
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found = with_pairs(study, found, PAIRS)
-    wider = surely_wider(study, found)
+    left = surely_left(study, found)
     rows = [
         [
             list(r.effects),
@@ -62,7 +62,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
             r.gap_left_out,
             r.adequate_p,
             r.multipliers,
-            r.effects in wider,
+            left[r.effects],
             r.remainder_law,
         ]
         for r in found
@@ -84,6 +84,6 @@ def weigh_all(entries: Sequence[plan.Entry], work: Path, jobs: int) -> list[tupl
     return cases
 
 
-def rows_wider(rows: Sequence[Weighed]) -> set[tuple[str, ...]]:
-    """The hypotheses that surely widen the gap left out."""
-    return {row.effects for row in rows if row.wider}
+def rows_left(rows: Sequence[Weighed]) -> dict[tuple[str, ...], float]:
+    """How many times the base model's gap left out each hypothesis surely leaves."""
+    return {row.effects: row.left for row in rows}

@@ -7,7 +7,7 @@ import pytest
 from scipy import sparse
 
 from eaclutch.diagnosis.cells import Cells
-from eaclutch.diagnosis.closure import _share, gap_numbers, surely_wider
+from eaclutch.diagnosis.closure import _share, gap_numbers, surely_left
 
 CONDITIONS, REPEATS = 20, 3
 N = CONDITIONS * REPEATS
@@ -47,7 +47,7 @@ def test_a_gap_that_noise_may_have_made_leaves_everything_open():
     assert found["interval"][0] <= 0.0 and found["interval"][1] >= 1.0
 
 
-def test_only_what_widens_the_gap_at_nearly_all_conditions_is_surely_wider():
+def test_what_is_surely_left_holds_at_nearly_all_conditions():
     def result(name, sizes):
         return SimpleNamespace(effects=(name,) if name else (), errors_left_out=np.repeat(sizes, REPEATS))
 
@@ -59,13 +59,23 @@ def test_only_what_widens_the_gap_at_nearly_all_conditions_is_surely_wider():
         result("wider", np.full(CONDITIONS, 2.5)), base,
     ]  # fmt: skip
 
-    def found(times):
-        thresholds = {"widening": {"times": times}}
-        study = SimpleNamespace(cells=CELLS, thresholds=thresholds, generator=np.random.default_rng)
-        return surely_wider(study, tried)
+    study = SimpleNamespace(cells=CELLS, generator=np.random.default_rng)
+    left = surely_left(study, tried)
+    assert left[()] == pytest.approx(1.0)
+    assert left[("narrower",)] == pytest.approx(0.25) and left[("wider",)] == pytest.approx(2.5**2 / 2.0**2)
+    assert left[("one_bad",)] == pytest.approx(1.5**2 / 2.0**2, rel=1e-6)  # draws without that condition
 
-    assert found(1.0) == {("wider",)}
-    assert found(2.0) == set()
+
+def test_a_single_condition_says_nothing_of_others():
+    alone = SimpleNamespace(
+        condition=np.array(["c0"] * 3, dtype=object), errors=lambda e: e, variance=np.ones(3)
+    )
+    alone.level = np.zeros(3)
+    study = SimpleNamespace(cells=alone, generator=np.random.default_rng)
+    tried = [
+        SimpleNamespace(effects=e, errors_left_out=np.full(3, s)) for e, s in (((), 1.0), (("worse",), 9.0))
+    ]
+    assert surely_left(study, tried) == {(): 0.0, ("worse",): 0.0}
 
 
 def test_a_gap_that_widened_has_not_closed():

@@ -177,13 +177,29 @@ def test_the_best_name_is_no_sure_name_where_its_fit_fails_the_absolute_check():
 def test_a_name_that_surely_widens_the_gap_left_out_is_no_sure_name():
     thresholds = load_thresholds()
     base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
-    found = probabilities([base, named], thresholds, {("gap_tilt",)})
+    just_not = probabilities([base, named], thresholds, {("gap_tilt",): thresholds["widening"]["times"]})
+    assert just_not[("gap_tilt",)] == pytest.approx(1.0)
+    surely = {("gap_tilt",): 1.01 * thresholds["widening"]["times"]}
+    found = probabilities([base, named], thresholds, surely)
     assert found[("unknown",)] == pytest.approx(corrected(thresholds["widening"]["share"]))
     assert sum(found.values()) == pytest.approx(1.0)
     named.adequate_p = 0.005
-    also_misfits = probabilities([base, named], thresholds, {("gap_tilt",)})
-    left = (1 - thresholds["widening"]["share"]) * (1 - thresholds["misfit_share"])
+    also_misfits = probabilities([base, named], thresholds, surely)
+    left = (1 - thresholds["widening"]["share"]) * (1 - thresholds["partly"]["share"])
     assert also_misfits[("gap_tilt",)] == pytest.approx(1.0 - corrected(1.0 - left))
+
+
+def test_a_name_that_fails_the_check_and_surely_leaves_much_of_the_gap_gives_more_away():
+    thresholds = load_thresholds()
+    partly = thresholds["partly"]
+    assert partly["share"] > thresholds["misfit_share"]
+    base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
+    much, little = ({("gap_tilt",): factor * partly["times"]} for factor in (1.01, 0.99))
+    assert probabilities([base, named], thresholds, much)[("gap_tilt",)] == pytest.approx(1.0)
+    named.adequate_p = 0.005
+    unknown = [probabilities([base, named], thresholds, left)[("unknown",)] for left in (much, little)]
+    assert unknown[0] == pytest.approx(corrected(partly["share"]))
+    assert unknown[1] == pytest.approx(corrected(thresholds["misfit_share"]))
 
 
 def test_odds_against_what_nobody_wrote_down_count_in_part_and_order_nothing_anew():

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from eaclutch.config import load_bench
-from eaclutch.diagnosis.closure import surely_wider
+from eaclutch.diagnosis.closure import surely_left
 from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.files import bursts as bursts_table
 from eaclutch.diagnosis.inputs import DiagnosisInputs
@@ -65,10 +65,10 @@ def diagnose_case(
 def _without(study: Study, found: Sequence[CandidateResult]) -> dict[str, Any]:
     """Verdicts with each candidate taken out of the library in turn; the other fits stay as they are."""
     out = {}
-    wider = surely_wider(study, found)
+    left = surely_left(study, found)
     for name in study.candidates:
         kept = [result for result in found if name not in result.effects]
-        weights = probabilities(kept, study.thresholds, wider)
+        weights = probabilities(kept, study.thresholds, left)
         verdict = decide(weights, kept, study.thresholds, [])
         out[name] = {"effects": list(verdict.effects), "unknown": weights.get(UNKNOWN, 0.0)}
     return out

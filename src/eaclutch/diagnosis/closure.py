@@ -59,17 +59,21 @@ def _share(closed: FloatArray, left: FloatArray, real: np.ndarray, otherwise: fl
     return np.where(real, share, otherwise)
 
 
-def surely_wider(study: Study, results: Sequence[CandidateResult]) -> frozenset[tuple[str, ...]]:
-    """Sets of effects that leave so many times (``widening``) the base model's gap on conditions left out, in 95 % of
-    their draws."""
-    cells, times = study.cells, study.thresholds["widening"]["times"]
+def surely_left(study: Study, results: Sequence[CandidateResult]) -> dict[tuple[str, ...], float]:
+    """Of each set of effects, how many times the base model's gap on conditions left out it leaves in 95 % of their
+    draws at least; 0 where a single condition says nothing of others."""
+    cells = study.cells
     counts, index = _condition_draws(cells, study.generator(16))
-    before, found = _ratios(cells, next(r for r in results if not r.effects)), set()
-    for result in results:
-        closed = counts @ np.bincount(index, weights=times * before - _ratios(cells, result))
-        if counts.shape[1] > 1 and np.quantile(closed, 0.95) < 0:
-            found.add(result.effects)
-    return frozenset(found)
+    if counts.shape[1] < 2:
+        return {result.effects: 0.0 for result in results}
+    base = _ratios(cells, next(r for r in results if not r.effects))
+    before = np.maximum(counts @ np.bincount(index, weights=base), 1e-300)
+    return {
+        result.effects: float(
+            np.quantile(counts @ np.bincount(index, weights=_ratios(cells, result)) / before, 0.05)
+        )
+        for result in results
+    }
 
 
 def total_gap(cells: Cells, base: CandidateResult, after: CandidateResult, floor: float,

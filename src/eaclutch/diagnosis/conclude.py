@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_wider, total_gap
+from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_left, total_gap
 from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.gate import simulate_null
 from eaclutch.diagnosis.gaussian import leave_out, log_normal
@@ -30,8 +30,7 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
     linearised = with_readings(study.base, study.readings)
     _, groups = condition_groups(study.data)
     left = leave_out(linearised, groups)
-    wider = surely_wider(study, results)
-    weights = probabilities(results, study.thresholds, wider)
+    weights = probabilities(results, study.thresholds, surely_left(study, results))
     notes = [*caveats(study), *stopped(results, weights)]
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)

@@ -7,7 +7,8 @@ correction, and the development set says how much.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,7 @@ LIBRARY = len(CANDIDATES)  # candidates that the library names
 def probabilities(
     results: Sequence[CandidateResult],
     thresholds: Mapping[str, Any],
-    wider: Collection[tuple[str, ...]] = (),
+    left: Mapping[tuple[str, ...], float] = MappingProxyType({}),
 ) -> dict[tuple[str, ...], float]:
     """Probability of each weighed set of effects; adds up to one.
 
@@ -39,9 +40,10 @@ def probabilities(
     (``against_unknown``): these stand for all laws that nobody wrote down, and such a law may look more like a library
     effect than like them. Lookalikes, each less probable beforehand than an effect of the library
     (``lookalike_share``), are written down, and count in full; what they win is ``unknown``'s. And a name whose fit
-    fails the absolute check gives ``misfit_share`` of its probability to ``unknown``: evidence only says who is best.
-    So does one that surely widens the gap on conditions left out by far (``wider``; ``widening``). The odds of
-    ``unknown`` against all that may be named are corrected last (``unknown_odds``); no effect keeps its probability.
+    fails the absolute check gives ``misfit_share`` of its probability to ``unknown``, for evidence only says who is
+    best, and more (``partly``) where it surely leaves much of the gap on conditions left out (``left``: how many times
+    the base model's). So does one that surely widens that by far (``widening``). The odds of ``unknown`` against all
+    that may be named are corrected last (``unknown_odds``); no effect keeps its probability.
     """
     score, nameless, lookalikes = _scores(results, thresholds)
     best = max((x for effects, x in score.items() if effects), default=-np.inf)
@@ -54,12 +56,20 @@ def probabilities(
     for result in results:
         if not result.effects or result.effects not in found:
             continue
-        misfits = result.adequate_p < thresholds["verdict"]["adequate_p_value"]
-        kept = 1.0 - (float(thresholds["misfit_share"]) if misfits else 0.0)
-        kept *= 1.0 - (float(thresholds["widening"]["share"]) if result.effects in wider else 0.0)
+        kept = 1.0 - _doubt(result, left.get(result.effects, 0.0), thresholds)
         found[UNKNOWN] += (1.0 - kept) * found[result.effects]
         found[result.effects] *= kept
     return _corrected(found, float(thresholds["unknown_odds"]))
+
+
+def _doubt(result: CandidateResult, left: float, thresholds: Mapping[str, Any]) -> float:
+    """What a name gives to ``unknown`` for what it leaves."""
+    partly, widening, kept = thresholds["partly"], thresholds["widening"], 1.0
+    if result.adequate_p < thresholds["verdict"]["adequate_p_value"]:
+        kept -= float(partly["share"] if left > partly["times"] else thresholds["misfit_share"])
+    if left > widening["times"]:
+        kept *= 1.0 - float(widening["share"])
+    return 1.0 - kept
 
 
 def _corrected(found: dict[tuple[str, ...], float], odds: float) -> dict[tuple[str, ...], float]:
