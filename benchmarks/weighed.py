@@ -37,6 +37,7 @@ class Weighed:
     multipliers: tuple[float, float]
     left: float
     remainder_law: tuple[str, ...]
+    repeat_drift: float
 
 
 def weigh_case(job: tuple[plan.Entry, str]) -> None:
@@ -64,6 +65,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
             r.multipliers,
             left[r.effects],
             r.remainder_law,
+            r.repeat_drift,
         ]
         for r in found
     ]

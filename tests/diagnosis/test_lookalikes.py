@@ -21,6 +21,7 @@ def weighed(effects, evidence, remainder=-1e3):
     return SimpleNamespace(
         effects=effects, log_evidence=evidence, log_evidence_open=remainder, log_evidence_without=0.0,
         log_evidence_without_open=10.0, gap_left_out=1.0, adequate_p=1.0, multipliers=(1.0, 1.0),
+        repeat_drift=0.0,
     )  # fmt: skip
 
 

@@ -94,6 +94,7 @@ def weighed(effects, evidence, without=0.0):
         gap_left_out=1.0 if effects else 2.0,
         adequate_p=0.5,
         multipliers=(1.0, 1.0),
+        repeat_drift=0.0,
     )
 
 
@@ -251,3 +252,18 @@ def test_a_session_drift_must_gain_more_than_sessions_always_differ_by():
     late, both = ("trigger_latency",), ("session_drift", "trigger_latency")
     assert said(weighed(late, 30.0), weighed(both, 38.0)) == late
     assert said(weighed(late, 30.0), weighed(both, 48.0)) == both
+
+
+def test_repeats_that_drift_are_no_repeatability_and_no_name_either():
+    thresholds = load_thresholds()
+    base, named = weighed(NONE, 0.0), weighed(("gap_tilt",), 3.0)
+    still = probabilities([base, named], thresholds)
+    assert max(still, key=still.__getitem__) == NONE
+    base.repeat_drift = 14.0
+    drifting = probabilities([base, named], thresholds)
+    assert drifting[("unknown",)] > 0.9 * still[NONE]
+    assert drifting[NONE] < 0.01
+    assert drifting[("gap_tilt",)] <= still[("gap_tilt",)]
+    assert sum(drifting.values()) == pytest.approx(1.0)
+    base.repeat_drift = 1.0  # odds that a drift is there hardly move
+    assert probabilities([base, named], thresholds)[NONE] > 0.97 * still[NONE]

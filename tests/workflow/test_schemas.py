@@ -20,8 +20,10 @@ DOCUMENTS = {
     "posterior/summary.json": "summary",
     "posterior/force.gate.json": "gate",
     "predict/coverage.json": "coverage",
+    "diagnosis/gap.json": "gap",
     "diagnosis/diagnosis.json": "diagnosis",
 }
+FOLDERS = {"diagnosis/candidates": "candidate"}
 TABLES = {"runs.csv": "runs", "runs_published.csv": "runs_published", "predict/runs.csv": "predictions"}
 
 
@@ -34,7 +36,10 @@ def schema(name: str) -> Any:
 def departures(results: Path) -> list[str]:
     """How the files of a results folder depart from their schemas."""
     found = []
-    for file, name in DOCUMENTS.items():
+    kept = [(str(path.relative_to(results)), name) for folder, name in FOLDERS.items()
+            for path in sorted((results / folder).glob("*.json"))]  # fmt: skip
+    assert kept
+    for file, name in [*DOCUMENTS.items(), *kept]:
         errors = Draft202012Validator(schema(name)).iter_errors(json.loads((results / file).read_text()))
         found += [
             f"{file}, {'.'.join(map(str, error.absolute_path))}: {error.message[:200]}" for error in errors

@@ -207,6 +207,12 @@ def caveats(study: Study) -> list[str]:
         notes.append("one session only: session drift cannot be told")
     if all(dof == 0 for dof in study.dof.values()):
         notes.append("no repeats: no noise floor, the extractor's own uncertainty stands in")
+    if study.drift is not None:
+        drift = study.drift
+        notes.append(
+            f"repeats of {drift.channel} follow the run order within a session ({drift.share:.0%} of their scatter, "
+            f"p = {drift.p_value:.1g}), and the noise floor holds that drift"
+        )
     if study.swings and OSCILLATOR not in study.inputs.effects:
         notes.append(f"{study.swings} runs swing freely after switch-off, which the model cannot")
     return notes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Any
 
@@ -15,6 +16,7 @@ from eaclutch.diagnosis.channels import channels_on
 from eaclutch.diagnosis.condense import condense
 from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
+from eaclutch.diagnosis.drift import repeat_drift
 from eaclutch.diagnosis.fit import fit_hypothesis, plain_fit_at
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.free_swing import charged, count_swings
@@ -109,6 +111,7 @@ class Study:
         self.repeat_variance = repeat_variance(self.data, variances)
         self.preload = estimated_preload(self.table, self.conditions)
         self.swings = count_swings(self.table)
+        self.drift = repeat_drift(self.data, self.preload, thresholds)
 
     def model(self, effects: Sequence[str] = ()) -> ClutchModel:
         """The campaign's model with ``effects`` on top, in the library's order."""
@@ -233,6 +236,7 @@ class Study:
             fitted, self.forward(effects), self.data, self.cells, self._open(fitted), self._without(fitted),
             self.readings, self.generator(7),
         )  # fmt: skip
+        result = replace(result, repeat_drift=self.drift.evidence if self.drift else 0.0)
         return charged(result, self.inputs.effects, self.swings, self.thresholds)
 
     def _without(self, fitted: HypothesisFit) -> tuple[float, float]:

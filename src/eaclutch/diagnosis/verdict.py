@@ -80,6 +80,10 @@ def _sentence(
 def _unknown(base: CandidateResult | None, like: str) -> str:
     if like:
         return f"there is a gap that no effect in the library explains as well as this does: {EFFECTS[like].summary}"
+    if base is not None and base.repeat_drift > base.log_evidence_without_open - base.log_evidence_without:
+        return (
+            "there is a gap within what passes for scatter: repeats drift with the run order within sessions"
+        )
     if base is None or not base.remainder_law:
         return "there is a gap, and a nameless smooth term explains it better than any effect in the library"
     quantity, setting = (name.replace("_", " ") for name in base.remainder_law)

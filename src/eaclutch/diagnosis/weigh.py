@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import logsumexp
+from scipy.special import expit, logsumexp
 
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.physics.effects import CANDIDATES, LOOKALIKES
@@ -43,7 +43,9 @@ def probabilities(
     fails the absolute check gives ``misfit_share`` of its probability to ``unknown``, for evidence only says who is
     best, and more (``partly``) where it surely leaves much of the gap on conditions left out (``left``: how many times
     the base model's). So does one that surely widens that by far (``widening``). The odds of ``unknown`` against all
-    that may be named are corrected last (``unknown_odds``); no effect keeps its probability.
+    that may be named are corrected last (``unknown_odds``); no effect keeps its probability, but for what it gives to
+    ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no effect of the
+    library does that.
     """
     score, nameless, lookalikes = _scores(results, thresholds)
     best = max((x for effects, x in score.items() if effects), default=-np.inf)
@@ -59,7 +61,20 @@ def probabilities(
         kept = 1.0 - _doubt(result, left.get(result.effects, 0.0), thresholds)
         found[UNKNOWN] += (1.0 - kept) * found[result.effects]
         found[result.effects] *= kept
+    drifting = _drifting(next((r for r in results if not r.effects), None), thresholds)
+    found[UNKNOWN] += drifting * found[NONE]
+    found[NONE] *= 1.0 - drifting
     return _corrected(found, float(thresholds["unknown_odds"]))
+
+
+def _drifting(base: CandidateResult | None, thresholds: Mapping[str, Any]) -> float:
+    """What no effect gives to ``unknown`` for repeats that drift: its share by the evidence of a drift and the prior
+    odds of both; 0 without evidence for one."""
+    if base is None or base.repeat_drift <= 0.0:
+        return 0.0
+    prior = thresholds["prior"]
+    odds = base.repeat_drift / float(thresholds["temperature"]) + np.log(prior["unknown"] / prior["none"])
+    return float(expit(odds))
 
 
 def _doubt(result: CandidateResult, left: float, thresholds: Mapping[str, Any]) -> float:
