@@ -11,14 +11,15 @@ THRESHOLDS = {"repeat_drift": 2.0, "session_sd": {"capacity": 0.03}}
 RUNS = 60
 
 
-def campaign(drift, *, seed=0, repeats_apart=True, channels=1, preload_slope=0.0):
+def campaign(drift, *, seed=0, repeats_apart=True, channels=1, preload_slope=0.0, tails=False):
     """60 runs, 3 sessions of 20, ten conditions twice a session; ``drift``: log per run of the order."""
     rng = np.random.default_rng(seed)
     order = np.tile(np.arange(20), 3)
     session = np.repeat(["a", "b", "c"], 20)
     condition = np.tile(np.arange(10), 6) if repeats_apart else np.tile(np.repeat(np.arange(10), 2), 3)
     friction = 0.2 + 0.02 * rng.standard_normal(RUNS)
-    values = rng.standard_normal((channels, RUNS)) * 0.02 + condition
+    noise = rng.standard_t(1.5, (channels, RUNS)) if tails else rng.standard_normal((channels, RUNS))
+    values = noise * 0.02 + condition
     values[-1] += drift * order + preload_slope * friction
     names = np.array([f"c{i}_p0.25-0.75N" for i in condition])
     return SimpleNamespace(
@@ -29,30 +30,46 @@ def campaign(drift, *, seed=0, repeats_apart=True, channels=1, preload_slope=0.0
 
 
 def found(**kwargs):
-    return repeat_drift(campaign(**kwargs), np.full(RUNS, 0.5), THRESHOLDS)
+    return repeat_drift(campaign(**kwargs), np.full(RUNS, 0.5), THRESHOLDS, np.random.default_rng(1))
 
 
 def test_a_drift_between_repeats_is_found_and_told():
     drift = found(drift=0.015, channels=3)
     assert drift is not None and drift.channel == "x2"
-    assert drift.share > 0.9 and drift.p_value < 1e-10 and drift.evidence > 20.0
+    assert drift.share > 0.9 and drift.p_value < 1e-5 and drift.evidence > 8.0
     assert drift.size == pytest.approx(0.015 * np.std(np.arange(20)), rel=0.1)
 
 
-@pytest.mark.parametrize("seed", range(20))
-def test_scatter_is_none(seed):
-    assert found(drift=0.0, seed=seed, channels=5) is None
+def test_scatter_is_none_however_far_its_tails_reach():
+    """Of 100 campaigns of 5 channels, each with runs far off, chance puts one at most at p <= 0.01 on the average."""
+    any_size = THRESHOLDS | {"repeat_drift": 0.0}
+    seen = [
+        repeat_drift(
+            campaign(0.0, seed=seed, channels=5, tails=True),
+            np.full(RUNS, 0.5),
+            any_size,
+            np.random.default_rng(1),
+        )
+        for seed in range(100)
+    ]
+    assert sum(drift is not None for drift in seen) <= 4
+    assert max((drift.evidence for drift in seen if drift), default=0.0) < 4.0
 
 
 def test_one_as_small_as_sessions_may_differ_by_does_not_count():
     """0.008 a run, a root mean square of 0.046: clear above the scatter, less than 2 times 0.03."""
     assert found(drift=0.008) is None
-    assert repeat_drift(campaign(0.008), np.full(RUNS, 0.5), THRESHOLDS | {"repeat_drift": 1.0}) is not None
+    assert (
+        repeat_drift(
+            campaign(0.008), np.full(RUNS, 0.5), THRESHOLDS | {"repeat_drift": 1.0}, np.random.default_rng(1)
+        )
+        is not None
+    )
 
 
 def test_repeats_side_by_side_say_too_little():
     drift = found(drift=0.015, repeats_apart=False)
-    assert drift is None or drift.evidence < 10.0
+    assert drift is None or drift.evidence < 3.0
 
 
 def test_what_follows_the_preload_is_no_drift():
@@ -62,7 +79,7 @@ def test_what_follows_the_preload_is_no_drift():
 def test_without_repeats_there_is_nothing_to_look_at():
     data = campaign(0.02)
     data.groups = np.arange(RUNS)
-    assert repeat_drift(data, np.full(RUNS, 0.5), THRESHOLDS) is None
+    assert repeat_drift(data, np.full(RUNS, 0.5), THRESHOLDS, np.random.default_rng(1)) is None
     data = campaign(0.02)
     data.run_values[:] = np.nan
-    assert repeat_drift(data, np.full(RUNS, 0.5), THRESHOLDS) is None
+    assert repeat_drift(data, np.full(RUNS, 0.5), THRESHOLDS, np.random.default_rng(1)) is None

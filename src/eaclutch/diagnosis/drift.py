@@ -1,7 +1,8 @@
 """Whether repeats drift with the run order within a session: what drifts would pass for scatter of repeats.
 
 A gap is measured with what repeats of a condition in a session scatter by. A bench that warms up or wears between them
-makes that ruler long, and everything seems to lie within it; but scatter has no order, and a drift has.
+makes that ruler long, and everything seems to lie within it; but scatter has no order, and a drift has. How clear an
+order is, is told by changing the places of repeats (they could have come in any order), for scatter has far tails.
 """
 
 from __future__ import annotations
@@ -11,23 +12,30 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.stats import f as fisher
 
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.repeatability import centred, preload_bins
 from eaclutch.records import FloatArray
 
 FEWEST = 8  # degrees of freedom of the repeats' scatter, from which an order is looked for
+ORDERS, BATCHES = (
+    10_000,
+    100,
+)  # of repeats, drawn at random; so often, until ENOUGH say as much as the one measured
+ENOUGH = 10
+CLEAR = 0.01  # p-value up to which an order is spoken of
+SMALL = 1e-300  # a sum of squares that is none
 
 
 @dataclass(frozen=True)
 class RepeatDrift:
     """The channel whose repeats follow the run order most clearly.
 
-    share: of the scatter of repeats that straight lines against the order say, one a session; p_value: that of their F
-    test, times the number of channels; evidence [nats]: of the lines, by the Bayesian information criterion, less what
-    the choice among channels costs; size: the root mean square over all runs of what the lines move, on the comparison
-    scale.
+    share: of the scatter of repeats that straight lines against the order say, one a session; p_value: the chance that
+    an order drawn at random says as much, times the number of channels; evidence [nats]: the most that this p-value can
+    stand for, -log(-e p log p) (Sellke, Bayarri & Berger, The American Statistician 55
+    (2001) 62, doi:10.1198/000313001300339950); size: the root mean square over all runs of what the lines move, on the
+    comparison scale.
     """
 
     channel: str
@@ -37,52 +45,88 @@ class RepeatDrift:
     size: float
 
 
-def repeat_drift(data: DataVector, preload: FloatArray, thresholds: Mapping[str, Any]) -> RepeatDrift | None:
+@dataclass(frozen=True)
+class _Repeats:
+    """A channel's scatter (runs,) within groups, what follows the preload taken off, and an orthonormal basis (runs,
+    lines) of what lines against the order could say of it; size: of the best lines over all runs."""
+
+    channel: str
+    block: str
+    scatter: FloatArray
+    groups: np.ndarray
+    basis: FloatArray
+    size: float
+
+    def share(self, scatter: FloatArray) -> FloatArray:
+        """Of ``scatter`` (..., runs), what the lines say."""
+        said: FloatArray = np.sum((scatter @ self.basis) ** 2, axis=-1) / max(
+            float(self.scatter @ self.scatter), SMALL
+        )
+        return said
+
+    def reordered(self, rng: np.random.Generator) -> FloatArray:
+        """(ORDERS,) shares with the repeats of each group in another order, drawn at random."""
+        place = np.argsort(self.groups, kind="stable")
+        keys = self.groups[place] + rng.random((ORDERS, len(place)))
+        drawn = np.empty((ORDERS, len(place)))
+        drawn[:, place] = self.scatter[place][np.argsort(keys, axis=1)]
+        return self.share(drawn)
+
+    def chance(self, rng: np.random.Generator) -> float:
+        """That an order drawn at random says as much as the measured one (Besag & Clifford, Biometrika 78 (1991) 301,
+        doi:10.1093/biomet/78.2.301: drawn until it is known well enough)."""
+        seen, as_much, batches = (1.0 - 1e-9) * float(self.share(self.scatter)), 0, 0
+        while as_much < ENOUGH and batches < BATCHES:
+            as_much += int(np.sum(self.reordered(rng) >= seen))
+            batches += 1
+        return (as_much + 1.0) / (batches * ORDERS + 1.0)
+
+
+def repeat_drift(
+    data: DataVector, preload: FloatArray, thresholds: Mapping[str, Any], rng: np.random.Generator
+) -> RepeatDrift | None:
     """The clearest drift of repeats that is larger than sessions may differ by (``repeat_drift`` times ``session_sd``),
-    or None without one. preload (runs,) [N]: bins the runs whose conditions name no preload."""
+    or None without a clear one. preload (runs,) [N]: bins the runs whose conditions name no preload."""
     bins = preload_bins(data.conditions.condition, preload)
-    found = [_drift(data, i, bins) for i in range(len(data.channels))]
-    tested = [drift for drift in found if drift is not None]
-    blocks = {channel.name: channel.block for channel in data.channels}
-    large = [
-        drift
-        for drift in tested
-        if drift.size > thresholds["repeat_drift"] * thresholds["session_sd"][blocks[drift.channel]]
-    ]
-    best = max(large, key=lambda drift: drift.evidence, default=None)
-    if best is None:
+    found = [_repeats(data, i, bins) for i in range(len(data.channels))]
+    tested = [repeats for repeats in found if repeats is not None]
+    large = [r for r in tested if r.size > thresholds["repeat_drift"] * thresholds["session_sd"][r.block]]
+    if not large:
         return None
-    p_value, evidence = min(1.0, len(tested) * best.p_value), best.evidence - float(np.log(len(tested)))
-    return RepeatDrift(best.channel, best.share, p_value, evidence, best.size) if evidence > 0.0 else None
+    chances = [r.chance(rng) for r in large]
+    p_value = len(tested) * min(chances)
+    if p_value > CLEAR:
+        return None
+    repeats = large[int(np.argmin(chances))]
+    evidence = float(-np.log(-np.e * p_value * np.log(p_value)))
+    return RepeatDrift(
+        repeats.channel, float(repeats.share(repeats.scatter)), p_value, evidence, repeats.size
+    )
 
 
-def _drift(data: DataVector, index: int, bins: np.ndarray) -> RepeatDrift | None:
-    """One channel's drift; None where it has too few repeats, or none at another place in the order."""
-    values = data.run_values[index]
+def _repeats(data: DataVector, index: int, bins: np.ndarray) -> _Repeats | None:
+    """One channel's repeats; None where they are too few, or none at another place in the order."""
+    values, conditions = data.run_values[index], data.conditions
     use = np.isfinite(values)
-    groups, conditions = data.groups[use], data.conditions
-    if len(groups) == len(set(groups.tolist())):
+    groups = np.unique(data.groups[use], return_inverse=True)[1]
+    if len(groups) == 0 or len(groups) == groups.max() + 1:
         return None
     order = np.asarray(conditions.run_order, dtype=float)[use]
     sessions = np.array(conditions.session, dtype=str)[use]
-    scatter = centred(values[use], groups)
     before = _by_level(centred(np.nan_to_num(conditions.friction_before[use]), groups), bins[use])
+    known = _basis(before)
     lines = _by_level(centred(order, groups), sessions)
-    plain, known, _ = _fit(before, scatter)
-    drifting, both, slopes = _fit(np.hstack([before, lines]), scatter)
-    free = len(scatter) - len(set(groups.tolist())) - known
-    count = both - known
-    if count == 0 or free - count < FEWEST or not 0.0 < drifting < plain:
+    lines = lines - known @ (known.T @ lines)
+    basis = _basis(lines)
+    scatter = centred(values[use], groups)
+    scatter = scatter - known @ (known.T @ scatter)
+    free = len(scatter) - (groups.max() + 1) - known.shape[1] - basis.shape[1]
+    if basis.shape[1] == 0 or free < FEWEST:
         return None
-    ratio = (plain - drifting) / count / (drifting / (free - count))
-    moved = _by_level(centred(order, sessions), sessions) @ slopes[before.shape[1] :]
-    return RepeatDrift(
-        data.channels[index].name,
-        1.0 - drifting / plain,
-        float(fisher.sf(ratio, count, free - count)),
-        0.5 * free * float(np.log(plain / drifting)) - 0.5 * count * float(np.log(free)),
-        float(np.sqrt(np.mean(moved**2))),
-    )
+    slopes = np.linalg.lstsq(lines, scatter, rcond=None)[0]
+    moved = _by_level(centred(order, sessions), sessions) @ slopes
+    channel = data.channels[index]
+    return _Repeats(channel.name, channel.block, scatter, groups, basis, float(np.sqrt(np.mean(moved**2))))
 
 
 def _by_level(values: FloatArray, levels: np.ndarray) -> FloatArray:
@@ -91,8 +135,7 @@ def _by_level(values: FloatArray, levels: np.ndarray) -> FloatArray:
     return columns
 
 
-def _fit(design: FloatArray, values: FloatArray) -> tuple[float, int, FloatArray]:
-    """(sum of squares left, rank, coefficients) by least squares; a column of zeros has the coefficient 0."""
-    coefficients, _, rank, _ = np.linalg.lstsq(design, values, rcond=None)
-    left = values - design @ coefficients
-    return float(left @ left), int(rank), coefficients
+def _basis(columns: FloatArray) -> FloatArray:
+    """Orthonormal columns that span those given."""
+    left, size, _ = np.linalg.svd(columns, full_matrices=False)
+    return left[:, size > 1e-9 * max(float(size.max(initial=0.0)), SMALL)]

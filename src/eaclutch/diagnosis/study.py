@@ -111,7 +111,7 @@ class Study:
         self.repeat_variance = repeat_variance(self.data, variances)
         self.preload = estimated_preload(self.table, self.conditions)
         self.swings = count_swings(self.table)
-        self.drift = repeat_drift(self.data, self.preload, thresholds)
+        self.drift = repeat_drift(self.data, self.preload, thresholds, self.generator(17))
 
     def model(self, effects: Sequence[str] = ()) -> ClutchModel:
         """The campaign's model with ``effects`` on top, in the library's order."""
