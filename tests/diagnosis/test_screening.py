@@ -186,7 +186,7 @@ def test_a_name_that_surely_widens_the_gap_left_out_is_no_sure_name():
     assert sum(found.values()) == pytest.approx(1.0)
     named.adequate_p = 0.005
     also_misfits = probabilities([base, named], thresholds, surely)
-    left = (1 - thresholds["widening"]["share"]) * (1 - thresholds["partly"]["share"])
+    left = (1 - thresholds["widening"]["share"]) * (1 - thresholds["misfit_share"])
     assert also_misfits[("gap_tilt",)] == pytest.approx(1.0 - corrected(1.0 - left))
 
 
@@ -195,12 +195,16 @@ def test_a_name_that_fails_the_check_and_surely_leaves_much_of_the_gap_gives_mor
     partly = thresholds["partly"]
     assert partly["share"] > thresholds["misfit_share"]
     base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
+    base.gap_left_out = 1.01 * partly["gap"]
     much, little = ({("gap_tilt",): factor * partly["times"]} for factor in (1.01, 0.99))
     assert probabilities([base, named], thresholds, much)[("gap_tilt",)] == pytest.approx(1.0)
     named.adequate_p = 0.005
     unknown = [probabilities([base, named], thresholds, left)[("unknown",)] for left in (much, little)]
     assert unknown[0] == pytest.approx(corrected(partly["share"]))
     assert unknown[1] == pytest.approx(corrected(thresholds["misfit_share"]))
+    base.gap_left_out = 0.99 * partly["gap"]  # where little can be closed most of it is left
+    small = probabilities([base, named], thresholds, much)
+    assert small[("unknown",)] == pytest.approx(corrected(thresholds["misfit_share"]))
 
 
 def test_odds_against_what_nobody_wrote_down_count_in_part_and_order_nothing_anew():

@@ -41,11 +41,11 @@ def probabilities(
     effect than like them. Lookalikes, each less probable beforehand than an effect of the library
     (``lookalike_share``), are written down, and count in full; what they win is ``unknown``'s. And a name whose fit
     fails the absolute check gives ``misfit_share`` of its probability to ``unknown``, for evidence only says who is
-    best, and more (``partly``) where it surely leaves much of the gap on conditions left out (``left``: how many times
-    the base model's). So does one that surely widens that by far (``widening``). The odds of ``unknown`` against all
-    that may be named are corrected last (``unknown_odds``); no effect keeps its probability, but for what it gives to
-    ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no effect of the
-    library does that.
+    best, and more (``partly``) where it surely leaves much of a large gap on conditions left out (``left``: how many
+    times the base model's). So does one that surely widens that by far (``widening``). The odds of ``unknown`` against
+    all that may be named are corrected last (``unknown_odds``); no effect keeps its probability, but for what it
+    gives to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no
+    effect of the library does that.
     """
     score, nameless, lookalikes = _scores(results, thresholds)
     best = max((x for effects, x in score.items() if effects), default=-np.inf)
@@ -55,10 +55,11 @@ def probabilities(
     found = dict(
         zip(score, np.exp(list(score.values()) - logsumexp(list(score.values()))).tolist(), strict=True)
     )
+    gap = next((r.gap_left_out for r in results if not r.effects), 0.0)
     for result in results:
         if not result.effects or result.effects not in found:
             continue
-        kept = 1.0 - _doubt(result, left.get(result.effects, 0.0), thresholds)
+        kept = 1.0 - _doubt(result, left.get(result.effects, 0.0), gap, thresholds)
         found[UNKNOWN] += (1.0 - kept) * found[result.effects]
         found[result.effects] *= kept
     drifting = _drifting(next((r for r in results if not r.effects), None), thresholds)
@@ -77,11 +78,12 @@ def _drifting(base: CandidateResult | None, thresholds: Mapping[str, Any]) -> fl
     return float(expit(odds))
 
 
-def _doubt(result: CandidateResult, left: float, thresholds: Mapping[str, Any]) -> float:
-    """What a name gives to ``unknown`` for what it leaves."""
+def _doubt(result: CandidateResult, left: float, gap: float, thresholds: Mapping[str, Any]) -> float:
+    """What a name gives to ``unknown`` for what it leaves, ``left`` times the base model's ``gap``."""
     partly, widening, kept = thresholds["partly"], thresholds["widening"], 1.0
     if result.adequate_p < thresholds["verdict"]["adequate_p_value"]:
-        kept -= float(partly["share"] if left > partly["times"] else thresholds["misfit_share"])
+        much = gap > partly["gap"] and left > partly["times"]
+        kept -= float(partly["share"] if much else thresholds["misfit_share"])
     if left > widening["times"]:
         kept *= 1.0 - float(widening["share"])
     return 1.0 - kept
