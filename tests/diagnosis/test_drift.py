@@ -11,13 +11,15 @@ THRESHOLDS = {"repeat_drift": 2.0, "session_sd": {"capacity": 0.03}}
 RUNS = 60
 
 
-def campaign(drift, *, seed=0, repeats_apart=True, channels=1, preload_slope=0.0, tails=False):
+def campaign(
+    drift, *, seed=0, repeats_apart=True, channels=1, preload_slope=0.0, preload_drift=0.0, tails=False
+):
     """60 runs, 3 sessions of 20, ten conditions twice a session; ``drift``: log per run of the order."""
     rng = np.random.default_rng(seed)
     order = np.tile(np.arange(20), 3)
     session = np.repeat(["a", "b", "c"], 20)
     condition = np.tile(np.arange(10), 6) if repeats_apart else np.tile(np.repeat(np.arange(10), 2), 3)
-    friction = 0.2 + 0.02 * rng.standard_normal(RUNS)
+    friction = 0.2 + 0.02 * rng.standard_normal(RUNS) + preload_drift * order
     noise = rng.standard_t(1.5, (channels, RUNS)) if tails else rng.standard_normal((channels, RUNS))
     values = noise * 0.02 + condition
     values[-1] += drift * order + preload_slope * friction
@@ -73,7 +75,8 @@ def test_repeats_side_by_side_say_too_little():
 
 
 def test_what_follows_the_preload_is_no_drift():
-    assert found(drift=0.0, preload_slope=3.0) is None
+    """Friction that climbs by 0.005 N a run, and a capacity that follows it by 3 a newton: as is found above."""
+    assert found(drift=0.0, preload_slope=3.0, preload_drift=0.005) is None
 
 
 def test_without_repeats_there_is_nothing_to_look_at():

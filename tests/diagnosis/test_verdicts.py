@@ -11,7 +11,8 @@ import pytest
 
 from diagnosis.simulated import BENCH, CANDIDATES, CONDITIONS, inputs
 from eaclutch.cli.diagnosis import refuse_others
-from eaclutch.diagnosis.conclude import conclude, own_parameters, session_spread, stopped
+from eaclutch.diagnosis.conclude import caveats, conclude, own_parameters, session_spread, stopped
+from eaclutch.diagnosis.drift import RepeatDrift
 from eaclutch.diagnosis.forward import UNPREDICTED
 from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.diagnosis.next_experiment import _grid, _variance
@@ -20,6 +21,8 @@ from eaclutch.diagnosis.readings import Readings
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.verdict import decide
+from eaclutch.diagnosis.weigh import probabilities
 from eaclutch.files import Document
 from eaclutch.physics.effects import BASE
 from eaclutch.records import InputError
@@ -306,3 +309,30 @@ def test_a_forecast_has_data_of_the_model_that_it_fits():
         for rule in ("published", "clamped")
     )
     assert np.all(weak.truth["shear_capacity_n"] < 0.9 * strong.truth["shear_capacity_n"])
+
+
+@pytest.mark.parametrize(
+    ("smooth", "words"), [(2.0, "within what passes for scatter"), (20.0, "as if friction changed")]
+)
+def test_unknown_for_repeats_that_drift_is_said_so_unless_a_smooth_term_says_more(smooth, words):
+    base = SimpleNamespace(
+        effects=(), log_evidence=0.0, log_evidence_open=smooth, log_evidence_without=0.0,
+        log_evidence_without_open=smooth, gap_left_out=1.0, adequate_p=0.5, multipliers=(1.0, 1.0),
+        remainder_law=("friction", "run_order"), repeat_drift=8.0,
+    )  # fmt: skip
+    thresholds = load_thresholds()
+    verdict = decide(probabilities([base], thresholds), [base], thresholds)
+    assert verdict.effects == ("unknown",) and words in verdict.why
+
+
+def test_a_drift_of_repeats_is_a_caveat():
+    drift = RepeatDrift("shear_capacity_n", 0.72, 5e-5, 6.6, 0.09)
+    study = SimpleNamespace(
+        data=SimpleNamespace(bench=SimpleNamespace(notes=())), condensed=(), swings=0, drift=drift, dof={"x": 1},
+        conditions=SimpleNamespace(condition=("a", "b"), session=("1", "2")), inputs=SimpleNamespace(effects=()),
+    )  # fmt: skip
+    assert [
+        note for note in caveats(study) if "shear_capacity_n follow the run order" in note and "72%" in note
+    ]
+    study.drift = None
+    assert caveats(study) == []

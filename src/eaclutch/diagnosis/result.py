@@ -33,9 +33,9 @@ class CandidateResult:
     errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
     without and with the entry's condition in the fit. shift: how far the effect moves each entry. adequate_p:
     absolute gate with the effect in, at usual tolerances. remainder_law: (quantity, setting) where the
-    nameless remainder is best said so, else empty. repeat_drift [nats]: evidence that repeats of this
-    campaign drift with the run order (``diagnosis.drift``). parameters: the effect's own (a pair's with its name
-    in front); calibrated: {name: {mean, sd, unit, prior_sds}}.
+    nameless remainder is best said so, else empty. repeat_drift [nats], of the base model: evidence
+    that this campaign's repeats drift with the run order (``diagnosis.drift``). parameters: the
+    effect's own (a pair's with its name in front); calibrated: {name: {mean, sd, unit, prior_sds}}.
     """
 
     effects: tuple[str, ...]

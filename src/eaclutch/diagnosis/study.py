@@ -16,7 +16,7 @@ from eaclutch.diagnosis.channels import channels_on
 from eaclutch.diagnosis.condense import condense
 from eaclutch.diagnosis.covariance import Kernels, kernels
 from eaclutch.diagnosis.data import DataVector, build, estimated_preload
-from eaclutch.diagnosis.drift import repeat_drift
+from eaclutch.diagnosis.drift import RepeatDrift, repeat_drift
 from eaclutch.diagnosis.fit import fit_hypothesis, plain_fit_at
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.free_swing import charged, count_swings
@@ -111,7 +111,6 @@ class Study:
         self.repeat_variance = repeat_variance(self.data, variances)
         self.preload = estimated_preload(self.table, self.conditions)
         self.swings = count_swings(self.table)
-        self.drift = repeat_drift(self.data, self.preload, thresholds, self.generator(17))
 
     def model(self, effects: Sequence[str] = ()) -> ClutchModel:
         """The campaign's model with ``effects`` on top, in the library's order."""
@@ -135,6 +134,11 @@ class Study:
     def generator(self, *stream: int) -> np.random.Generator:
         """A generator of its own for each purpose: the same whatever else ran before."""
         return np.random.default_rng([self.seed, *stream])
+
+    @cached_property
+    def drift(self) -> RepeatDrift | None:
+        """Repeats that follow the run order, where they do."""
+        return repeat_drift(self.data, self.preload, self.thresholds, self.generator(17))
 
     @cached_property
     def base(self) -> HypothesisFit:
@@ -236,7 +240,8 @@ class Study:
             fitted, self.forward(effects), self.data, self.cells, self._open(fitted), self._without(fitted),
             self.readings, self.generator(7),
         )  # fmt: skip
-        result = replace(result, repeat_drift=self.drift.evidence if self.drift else 0.0)
+        if not effects and self.drift is not None:
+            result = replace(result, repeat_drift=self.drift.evidence)
         return charged(result, self.inputs.effects, self.swings, self.thresholds)
 
     def _without(self, fitted: HypothesisFit) -> tuple[float, float]:

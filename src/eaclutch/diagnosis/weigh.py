@@ -59,7 +59,7 @@ def probabilities(
     for result in results:
         if not result.effects or result.effects not in found:
             continue
-        kept = 1.0 - _doubt(result, left.get(result.effects, 0.0), gap, thresholds)
+        kept = _kept(result, left.get(result.effects, 0.0), gap, thresholds)
         found[UNKNOWN] += (1.0 - kept) * found[result.effects]
         found[result.effects] *= kept
     drifting = _drifting(next((r for r in results if not r.effects), None), thresholds)
@@ -78,15 +78,16 @@ def _drifting(base: CandidateResult | None, thresholds: Mapping[str, Any]) -> fl
     return float(expit(odds))
 
 
-def _doubt(result: CandidateResult, left: float, gap: float, thresholds: Mapping[str, Any]) -> float:
-    """What a name gives to ``unknown`` for what it leaves, ``left`` times the base model's ``gap``."""
+def _kept(result: CandidateResult, left: float, gap: float, thresholds: Mapping[str, Any]) -> float:
+    """Share of its probability that a name keeps from ``unknown``, for what it leaves: ``left`` times the base model's
+    ``gap``."""
     partly, widening, kept = thresholds["partly"], thresholds["widening"], 1.0
     if result.adequate_p < thresholds["verdict"]["adequate_p_value"]:
         much = gap > partly["gap"] and left > partly["times"]
         kept -= float(partly["share"] if much else thresholds["misfit_share"])
     if left > widening["times"]:
         kept *= 1.0 - float(widening["share"])
-    return 1.0 - kept
+    return kept
 
 
 def _corrected(found: dict[tuple[str, ...], float], odds: float) -> dict[tuple[str, ...], float]:
