@@ -78,6 +78,11 @@ class Friction:
     film_static: Gaussian = Gaussian(0.188, 0.010)
     film_kinetic: Gaussian = Gaussian(0.154, 0.008)
 
+    @property
+    def sliding(self) -> float:
+        """Friction on both faces of a sliding strip, per newton of preload."""
+        return self.base_kinetic.mean + self.film_kinetic.mean
+
 
 @dataclass(frozen=True)
 class LoadCell:

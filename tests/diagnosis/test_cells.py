@@ -20,8 +20,11 @@ def ruler(values, stated):
     conditions = SimpleNamespace(
         condition=names, session=("day",) * len(names), friction_before=np.zeros(len(names))
     )
-    data = SimpleNamespace(conditions=conditions, channels=(CREEP,), run_values=values.reshape(1, -1))
-    table = pd.DataFrame({CREEP.name: values.ravel(), f"{CREEP.name}_sd": stated, "preload_n": 0.1})
+    preload = np.full(len(names), 0.1)
+    data = SimpleNamespace(
+        conditions=conditions, channels=(CREEP,), run_values=values.reshape(1, -1), preload=preload
+    )
+    table = pd.DataFrame({CREEP.name: values.ravel(), f"{CREEP.name}_sd": stated})
     variances, dofs = native_variances(table, data)
     return variances[CREEP.name], dofs[CREEP.name]
 

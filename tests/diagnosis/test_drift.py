@@ -27,12 +27,13 @@ def campaign(
     return SimpleNamespace(
         run_values=values, groups=np.unique(np.char.add(names, session), return_inverse=True)[1],
         conditions=SimpleNamespace(condition=names, session=session, run_order=order, friction_before=friction),
+        preload=np.full(RUNS, 0.5),
         channels=[SimpleNamespace(name=f"x{i}", block="capacity") for i in range(channels)],
     )  # fmt: skip
 
 
 def found(**kwargs):
-    return repeat_drift(campaign(**kwargs), np.full(RUNS, 0.5), THRESHOLDS, np.random.default_rng(1))
+    return repeat_drift(campaign(**kwargs), THRESHOLDS, np.random.default_rng(1))
 
 
 def test_a_drift_between_repeats_is_found_and_told():
@@ -48,7 +49,6 @@ def test_scatter_is_none_however_far_its_tails_reach():
     seen = [
         repeat_drift(
             campaign(0.0, seed=seed, channels=5, tails=True),
-            np.full(RUNS, 0.5),
             any_size,
             np.random.default_rng(1),
         )
@@ -62,9 +62,7 @@ def test_one_as_small_as_sessions_may_differ_by_does_not_count():
     """0.008 a run, a root mean square of 0.046: clear above the scatter, less than 2 times 0.03."""
     assert found(drift=0.008) is None
     assert (
-        repeat_drift(
-            campaign(0.008), np.full(RUNS, 0.5), THRESHOLDS | {"repeat_drift": 1.0}, np.random.default_rng(1)
-        )
+        repeat_drift(campaign(0.008), THRESHOLDS | {"repeat_drift": 1.0}, np.random.default_rng(1))
         is not None
     )
 
@@ -82,7 +80,7 @@ def test_what_follows_the_preload_is_no_drift():
 def test_without_repeats_there_is_nothing_to_look_at():
     data = campaign(0.02)
     data.groups = np.arange(RUNS)
-    assert repeat_drift(data, np.full(RUNS, 0.5), THRESHOLDS, np.random.default_rng(1)) is None
+    assert repeat_drift(data, THRESHOLDS, np.random.default_rng(1)) is None
     data = campaign(0.02)
     data.run_values[:] = np.nan
-    assert repeat_drift(data, np.full(RUNS, 0.5), THRESHOLDS, np.random.default_rng(1)) is None
+    assert repeat_drift(data, THRESHOLDS, np.random.default_rng(1)) is None

@@ -31,7 +31,7 @@ def campaign():
         conditions=runs, run_entries=n, channels=tuple(c for c in CHANNELS if c.name in names),
         channel=np.repeat(np.array(names, dtype=object), RUNS), condition=np.array(labels * 2, dtype=object),
         session=np.tile(np.where(late, "B", "A"), 2).astype(object),
-        average=sparse.identity(n, format="csr"),
+        average=sparse.identity(n, format="csr"), preload=np.full(RUNS, 0.1),
     )  # fmt: skip
     cells = Cells(
         data.channel, data.condition, np.full(n, 1e-10), sparse.identity(n, format="csr"),
@@ -44,7 +44,7 @@ def where(campaign, errors, seed=2):
     data, cells, _ = campaign
     rng = np.random.default_rng(seed)
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    return localise(data, cells, np.full(RUNS, 0.1), errors, simulated, rng)
+    return localise(data, cells, errors, simulated, rng)
 
 
 def test_a_slow_release_at_low_frequency_is_found_there_and_its_session_is_named(campaign):
@@ -81,7 +81,7 @@ def test_the_place_of_a_named_effect_is_where_it_acts_however_small_its_gap(camp
     explained[:RUNS][late] = -0.01
     errors += explained
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, np.full(RUNS, 0.1), errors, simulated, rng, explained).rows
+    (row,) = localise(data, cells, errors, simulated, rng, explained).rows
     assert row["observable"] == "release_time_50_s"
     assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
     assert row["direction"] == "-" and row["share"] == pytest.approx(1.0)
@@ -94,7 +94,7 @@ def test_the_direction_is_that_of_the_measured_errors_whatever_the_effect_would_
     errors, explained = rng.normal(0.0, 0.02, 2 * RUNS), np.zeros(2 * RUNS)
     explained[:RUNS][late], errors[:RUNS][late] = -0.1, 0.1
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, np.full(RUNS, 0.1), errors, simulated, rng, explained).rows
+    (row,) = localise(data, cells, errors, simulated, rng, explained).rows
     assert row["direction"] == "+"
 
 
@@ -106,7 +106,7 @@ def test_the_place_of_an_effect_is_the_split_that_says_most_of_it(campaign):
     explained[:RUNS][late] = np.where(data.conditions.run_order[late] < 1.5, 0.4, 0.1)
     errors = explained + rng.normal(0.0, 0.02, 2 * RUNS)
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, np.full(RUNS, 0.1), errors, simulated, rng, explained).rows
+    (row,) = localise(data, cells, errors, simulated, rng, explained).rows
     assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
     assert row["share"] == pytest.approx(1.0)
 
@@ -116,7 +116,7 @@ def test_an_effect_that_acts_alike_everywhere_is_called_all(campaign):
     rng = np.random.default_rng(1)
     explained = np.concatenate([rng.uniform(0.05, 0.15, RUNS), np.zeros(RUNS)])
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, np.full(RUNS, 0.1), explained, simulated, rng, explained).rows
+    (row,) = localise(data, cells, explained, simulated, rng, explained).rows
     assert row["factor"] == "all"
 
 
@@ -165,10 +165,9 @@ def test_averaged_settings_are_the_settings(campaign):
         average[i, 3 * i : 3 * i + 3] = share
     assert len(np.unique(average @ runs.voltage)) > 4  # what a plain mean would take for levels
     few = SimpleNamespace(
-        conditions=runs, average=sparse.csr_matrix(average), run_entries=8, session=np.array(["A"] * 8)
-    )
-    assert len(np.unique(settings_of(few, np.full(RUNS, 0.1))["voltage_v"])) == 4
-    low = next(
-        s for s in splits_of(few, np.full(RUNS, 0.1)) if s.factor == "voltage_v" and s.level == "<=233"
-    )
+        conditions=runs, average=sparse.csr_matrix(average), run_entries=8, session=np.array(["A"] * 8),
+        preload=np.full(RUNS, 0.1),
+    )  # fmt: skip
+    assert len(np.unique(settings_of(few)["voltage_v"])) == 4
+    low = next(s for s in splits_of(few) if s.factor == "voltage_v" and s.level == "<=233")
     assert low.member.tolist() == [1.0] * 4 + [0.0] * 4

@@ -11,7 +11,8 @@ import pytest
 
 from diagnosis.simulated import BENCH, CANDIDATES, CONDITIONS, inputs
 from eaclutch.cli.diagnosis import refuse_others
-from eaclutch.diagnosis.conclude import caveats, conclude, own_parameters, session_spread, stopped
+from eaclutch.diagnosis.causes import own_parameters
+from eaclutch.diagnosis.conclude import caveats, conclude, session_spread, stopped
 from eaclutch.diagnosis.drift import RepeatDrift
 from eaclutch.diagnosis.forward import UNPREDICTED
 from eaclutch.diagnosis.inputs import DiagnosisInputs

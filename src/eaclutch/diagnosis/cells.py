@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 from scipy import sparse
 
-from eaclutch.diagnosis.data import DataVector, estimated_preload
+from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.repeatability import pooled_variance, preload_bins
 from eaclutch.records import FloatArray
 
@@ -99,7 +99,7 @@ def native_variances(table: pd.DataFrame, data: DataVector) -> tuple[dict[str, f
     conditions = data.conditions
     keys = [f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)]
     groups = np.unique(keys, return_inverse=True)[1]
-    bins = preload_bins(conditions.condition, estimated_preload(table, conditions))
+    bins = preload_bins(conditions.condition, data.preload)
     variances, dofs = {}, {}
     for channel, scaled in zip(data.channels, data.run_values, strict=True):
         values = pd.to_numeric(table[channel.name], errors="coerce").to_numpy(dtype=float)

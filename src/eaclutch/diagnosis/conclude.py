@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from eaclutch.diagnosis.causes import causes
 from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_left, total_gap
 from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.gate import simulate_null
@@ -17,7 +18,7 @@ from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.study import SESSION_SPREADS, Study
 from eaclutch.diagnosis.verdict import Verdict, decide, in_words
-from eaclutch.diagnosis.weigh import NONE, UNKNOWN, by_effect, probabilities
+from eaclutch.diagnosis.weigh import NONE, UNKNOWN, probabilities
 from eaclutch.records import FloatArray
 
 CAMPAIGNS = 400  # simulated, for every p-value and the noise floor, unless the config says otherwise
@@ -47,7 +48,6 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
     where = localise(
         study.data,
         study.cells,
-        study.preload,
         elsewhere @ sound.w,
         quiet,
         study.generator(13),
@@ -114,77 +114,6 @@ def session_spread(study: Study, after: CandidateResult) -> float:
 def _after(verdict: Verdict, results: Sequence[CandidateResult], base: CandidateResult) -> CandidateResult:
     """The result whose predictions count as "after": the verdict's, the base model's where none is named."""
     return next((r for r in results if r.effects == verdict.effects), base)
-
-
-def causes(
-    study: Study,
-    results: Sequence[CandidateResult],
-    weights: Mapping[tuple[str, ...], float],
-    squares: FloatArray,
-) -> list[dict[str, Any]]:
-    """One entry a candidate, and one each for ``unknown`` and ``none``, the most probable first.
-
-    What closes, and the gain, are of the effect alone; its parameters are those of the most probable set that holds it,
-    for alone it would stand in for others.
-    """
-    base = next(r for r in results if r.effects == NONE)
-    single = {r.effects[0]: r for r in results if len(r.effects) == 1}
-    marginal = by_effect(weights)
-    entries = []
-    for name in [*study.candidates, "unknown", "none"]:
-        result = single.get(name, base)
-        gain = np.array(result.log_density) - np.array(base.log_density)
-        closure = gap_numbers(study.cells, base, result, squares, study.generator(12))
-        entries.append(
-            {
-                "effect": name, "probability": marginal.get(name, 0.0),
-                "delta_elpd": float(gain.sum()),
-                "delta_elpd_se": float(np.std(gain, ddof=1) * np.sqrt(len(gain))) if len(gain) > 1 else 0.0,
-                "closure": closure["shrinkage"], "closure_interval": closure["interval"],
-                "adequate_after": bool(
-                    result.adequate_p >= study.thresholds["verdict"]["adequate_p_value"]
-                ),
-                "parameters": own_parameters(name, results, weights),
-                "indistinguishable_from": indistinguishable(name, single, weights, study.thresholds),
-            }
-        )  # fmt: skip
-    entries.sort(key=lambda entry: (-entry["probability"], entry["effect"]))
-    return entries
-
-
-def own_parameters(
-    name: str, results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...], float]
-) -> dict[str, Any]:
-    """{parameter: {mean, sd, unit}} of an effect in the most probable set that holds it; empty where none does."""
-    holding = [r for r in results if name in r.effects]
-    if not holding:
-        return {}
-    best = max(holding, key=lambda r: weights.get(r.effects, 0.0))
-    if len(best.effects) == 1:
-        return dict(best.parameters)
-    return {
-        full.removeprefix(f"{name}."): entry
-        for full, entry in best.parameters.items()
-        if full.startswith(f"{name}.")
-    }
-
-
-def indistinguishable(
-    name: str,
-    single: Mapping[str, CandidateResult],
-    weights: Mapping[tuple[str, ...], float],
-    thresholds: Mapping[str, Any],
-) -> list[str]:
-    """Other names whose own probability is within the stated factor of this one's, where both matter."""
-    mine = weights.get((name,), 0.0)
-    if name not in single or mine < 0.01:
-        return []
-    factor = thresholds["verdict"]["indistinguishable_factor"]
-    return sorted(
-        other
-        for other in single
-        if other != name and 1 / factor <= weights.get((other,), 0.0) / mine <= factor
-    )
 
 
 def stopped(results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...], float]) -> list[str]:

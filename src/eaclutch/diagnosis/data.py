@@ -23,6 +23,7 @@ from eaclutch.diagnosis.repeatability import (
     run_variance,
     session_share,
 )
+from eaclutch.diagnosis.run_settings import run_features
 from eaclutch.diagnosis.screening import (
     COUNTED_BLOCKS,
     reaches,
@@ -70,6 +71,7 @@ class DataVector:
     average: sparse.csr_matrix
     bench: BenchEntries
     repeats: Mapping[str, RepeatVariance]
+    preload: FloatArray  # (runs,) [N]
     zero_unknown: np.ndarray  # (runs,) whether the load cell's zero is still in the run's forces
     groups: np.ndarray  # (runs,) label of each run's (condition, session)
     entry_group: np.ndarray  # (run entries,) the same of each entry
@@ -90,6 +92,7 @@ def build(
     bench: BenchEntries,
     channels: Sequence[Channel],
     thresholds: Mapping[str, Any],
+    preload: FloatArray,
     ramp_rate: float,
     quarter_swing: float,
     explained: FloatArray | None = None,
@@ -98,14 +101,14 @@ def build(
     """Collect the entries.
 
     table: runs.csv's rows for exactly ``conditions`` (same order). channels: what to compare; those without a
-    usable run are left out. ramp_rate [N/s], quarter_swing [s]: the load train's nominal ones, which say how far
-    a ramp gets and how fast a release from rest can be.
+    usable run are left out. preload: (runs,) [N]. ramp_rate [N/s], quarter_swing [s]: the load train's nominal ones,
+    which say how far a ramp gets and how fast a release from rest can be.
     explained (channels, runs): predictions whose variation between repeats (the force at switch-off differs
     from run to run) is taken off before the scatter is measured, where that makes it smaller. carried: standard
     uncertainty of these predictions (channels, runs) from the measured forces that they start from.
     """
     groups = _labels([f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)])
-    bins = preload_bins(conditions.condition, estimated_preload(table, conditions))
+    bins = preload_bins(conditions.condition, preload)
     contradicted = wrongly_moved(table, conditions.condition, channels, explained)
     slipping = slips_at_switch_off(table, quarter_swing)
     entries, values, repeats = [], [], {}
@@ -135,7 +138,9 @@ def build(
         repeats[channel.name] = repeat
         values.append(scaled)
     run_values = np.array(values).reshape(len(kept), len(conditions))
-    return _assemble(conditions, tuple(kept), entries, bench, repeats, groups, run_values, thresholds, table)
+    return _assemble(
+        conditions, tuple(kept), entries, bench, repeats, groups, run_values, thresholds, table, preload
+    )
 
 
 def _entries(scaled: FloatArray, variance: FloatArray, groups: IntArray, channel: int) -> list[tuple]:
@@ -161,12 +166,13 @@ def _assemble(
     run_values: FloatArray,
     thresholds: Mapping[str, Any],
     table: pd.DataFrame,
+    preload: FloatArray,
 ) -> DataVector:
     n_runs, n = len(conditions), len(entries)
     average = sparse.lil_matrix((n, len(channels) * n_runs))
     for i, (channel, rows, weights, _, _) in enumerate(entries):
         average[i, channel * n_runs + rows] = weights
-    settings = run_features(conditions, estimated_preload(table, conditions), thresholds["length_scales"])
+    settings = run_features(conditions, preload, thresholds["length_scales"])
     features = np.array([settings[rows].mean(axis=0) for _, rows, *_ in entries]).reshape(
         n, settings.shape[1]
     )
@@ -201,34 +207,12 @@ def _assemble(
         average.tocsr(),
         bench,
         repeats,
+        preload,
         zero_unknown(table),
         groups,
         groups[np.array(first, dtype=int)],
         run_values,
     )
-
-
-def run_features(conditions: RunConditions, preload: FloatArray, scales: Mapping[str, float]) -> FloatArray:
-    """Settings of each run in units of the smooth terms' length scales, (runs, 5)."""
-    order = conditions.run_order / max(1.0, float(np.max(conditions.run_order, initial=0.0)))
-    return np.column_stack(
-        [
-            np.log10(conditions.frequency) / scales["log10_frequency"],
-            conditions.voltage / scales["voltage"],
-            np.log(conditions.width) / scales["log_width"],
-            np.log(0.05 + np.maximum(preload, 0.0)) / scales["log_preload"],
-            order / scales["order"],
-        ]
-    )
-
-
-def estimated_preload(table: pd.DataFrame, conditions: RunConditions) -> FloatArray:
-    """Estimated preload [N] (runs,); the friction before over the coefficients' sum where runs.csv has none."""
-    estimate = conditions.friction_before / 0.33
-    if "preload_n" in table:
-        read = pd.to_numeric(table["preload_n"], errors="coerce").to_numpy(dtype=float)
-        estimate = np.where(np.isfinite(read), read, estimate)
-    return np.nan_to_num(estimate)
 
 
 def _labels(names: Sequence[str]) -> IntArray:

@@ -83,11 +83,11 @@ class _Repeats:
 
 
 def repeat_drift(
-    data: DataVector, preload: FloatArray, thresholds: Mapping[str, Any], rng: np.random.Generator
+    data: DataVector, thresholds: Mapping[str, Any], rng: np.random.Generator
 ) -> RepeatDrift | None:
     """The clearest drift of repeats that is larger than sessions may differ by (``repeat_drift`` times ``session_sd``),
-    or None without a clear one. preload (runs,) [N]: bins the runs whose conditions name no preload."""
-    bins = preload_bins(data.conditions.condition, preload)
+    or None without a clear one."""
+    bins = preload_bins(data.conditions.condition, data.preload)
     found = [_repeats(data, i, bins) for i in range(len(data.channels))]
     tested = [repeats for repeats in found if repeats is not None]
     large = [r for r in tested if r.size > thresholds["repeat_drift"] * thresholds["session_sd"][r.block]]

@@ -40,7 +40,6 @@ class Where:
 def localise(
     data: DataVector,
     cells: Cells,
-    preload: FloatArray,
     errors: FloatArray,
     simulated: FloatArray,
     rng: np.random.Generator,
@@ -55,7 +54,7 @@ def localise(
     verdict accounts for, if there is a gap. Returns rows sorted by share.
     """
     n = data.run_entries
-    splits, settings = splits_of(data, preload), settings_of(data, preload)
+    splits, settings = splits_of(data), settings_of(data)
     names = [channel.name for channel in data.channels]
     own = np.array([data.channel[:n] == name for name in names])
     ratio, null = _excess(data, cells, errors), _excess(data, cells, simulated)

@@ -83,7 +83,7 @@ def _grid(study: Study) -> RunConditions:
     substrate = study.inputs.bench.substrates.get(name)
     if substrate is not None:
         thickness = {round(w * 1e3, 6): t for w, t in substrate.thickness.items()} | thickness
-    sums = study.inputs.bench.friction.base_kinetic.mean + study.inputs.bench.friction.film_kinetic.mean
+    sums = study.inputs.bench.friction.sliding
     largest = float(np.max(runs.voltage))
     voltages = [*(v for v in VOLTAGES if v < largest), largest]
     rows = [(v, f, w * 1e-3, thickness[w], sums * p, p) for v in voltages for f in FREQUENCIES
@@ -101,8 +101,7 @@ def _grid(study: Study) -> RunConditions:
 
 
 def _preload(study: Study, grid: RunConditions) -> FloatArray:
-    sums = study.inputs.bench.friction.base_kinetic.mean + study.inputs.bench.friction.film_kinetic.mean
-    return grid.friction_before / sums
+    return grid.friction_before / study.inputs.bench.friction.sliding
 
 
 def _predict(study: Study, result: CandidateResult, grid: RunConditions) -> FloatArray:

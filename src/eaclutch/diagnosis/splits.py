@@ -23,11 +23,11 @@ class Split:
     member: FloatArray
 
 
-def splits_of(data: DataVector, preload: FloatArray) -> list[Split]:
+def splits_of(data: DataVector) -> list[Split]:
     """Every two-way split of every factor over the run entries; member (run entries,)."""
     n = data.run_entries
     found = [Split("all", "all", np.ones(n))]
-    for factor, entry in settings_of(data, preload).items():
+    for factor, entry in settings_of(data).items():
         if factor == "session":
             continue
         for cut in _cuts(entry):
@@ -41,7 +41,7 @@ def splits_of(data: DataVector, preload: FloatArray) -> list[Split]:
     return found
 
 
-def settings_of(data: DataVector, preload: FloatArray) -> dict[str, FloatArray]:
+def settings_of(data: DataVector) -> dict[str, FloatArray]:
     """{factor: its value at every run entry}; a session's is its number. A time at rest below a millisecond, a few
     samples, is none."""
     runs, n = data.conditions, data.run_entries
@@ -51,7 +51,7 @@ def settings_of(data: DataVector, preload: FloatArray) -> dict[str, FloatArray]:
         "frequency_hz": runs.frequency,
         "width_mm": runs.width * 1e3,
         "thickness_mm": runs.thickness * 1e3,
-        "preload_n": preload,
+        "preload_n": data.preload,
         "dwell_s": np.round(runs.dwell, 3),
         "run_order": runs.run_order,
     }

@@ -1,4 +1,4 @@
-"""One campaign under diagnosis: its data vector, its base fit, and the weighing of hypotheses against it."""
+"""One campaign under diagnosis: its base fit, and the weighing of hypotheses against it."""
 
 from __future__ import annotations
 
@@ -9,44 +9,25 @@ from typing import Any
 
 import numpy as np
 
-from eaclutch.diagnosis import bench_channels
-from eaclutch.diagnosis.carried import carried
-from eaclutch.diagnosis.cells import Cells, cells_of, native_variances, repeat_variance
-from eaclutch.diagnosis.channels import channels_on
-from eaclutch.diagnosis.condense import condense
-from eaclutch.diagnosis.covariance import Kernels, kernels
-from eaclutch.diagnosis.data import DataVector, build, estimated_preload
 from eaclutch.diagnosis.drift import RepeatDrift, repeat_drift
 from eaclutch.diagnosis.fit import fit_hypothesis, plain_fit_at
-from eaclutch.diagnosis.forward import Forward
-from eaclutch.diagnosis.free_swing import charged, count_swings
+from eaclutch.diagnosis.free_swing import charged
 from eaclutch.diagnosis.gaussian import Linearised, log_normal, posterior_mean
 from eaclutch.diagnosis.hypothesis import HypothesisFit
 from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.diagnosis.mode import find_mode
 from eaclutch.diagnosis.nameless import Nameless, nameless_fit
+from eaclutch.diagnosis.prepared import PreparedCampaign, in_order
 from eaclutch.diagnosis.readings import of_the_reading
 from eaclutch.diagnosis.remainder import Remainder, with_remainder
 from eaclutch.diagnosis.result import CandidateResult, summarise
-from eaclutch.diagnosis.session_moves import session_moves, with_sessions
-from eaclutch.physics.effects import EFFECTS, LOOKALIKES, NAMED
-from eaclutch.physics.model import ClutchModel
-from eaclutch.physics.prediction import OBSERVABLES
-from eaclutch.records import (
-    FloatArray,
-    InputError,
-    RunConditions,
-)
-from eaclutch.rig.table import conditions_from_runs
 
-# Local error of the film's position: 1 us in a release time, half the cost of the default.
-SOLVER_TOLERANCE = 1e-3
 WORTH_OPENING = 3.0  # nats over the base model
 SAME_PLACE = 1.0  # nats between two fits of one hypothesis that ended in the same place
 SESSION_SPREADS = (0.0, 0.25, 0.5, 1.0, 2.0, 4.0)
 
 
-class Study:
+class Study(PreparedCampaign):
     """Everything that hypotheses share; built once a job, deterministic.
 
     ``known``: what another job's study of the same inputs says of its own fits (``fits``); worked out without it.
@@ -59,77 +40,8 @@ class Study:
         seed: int = 1,
         known: Mapping[str, Any] | None = None,
     ):
-        self.inputs, self.thresholds, self.seed = inputs, thresholds, seed
-        self.priors = {**thresholds["priors"], **(inputs.priors or {})}
-        for name in inputs.candidates:
-            if name in LOOKALIKES:
-                raise InputError(
-                    f"diagnosis.candidates, {name}",
-                    "is a lookalike, which is always weighed and never named",
-                    "leave it out, or switch it on in model.effects",
-                )
-        every = inputs.candidates or NAMED
-        self.candidates = tuple(name for name in every if name not in inputs.effects)
-        self.lookalikes = tuple(name for name in LOOKALIKES if name not in inputs.effects)
-        usable = conditions_from_runs(inputs.table, inputs.bench).run
-        if len(usable) == 0:
-            raise InputError(
-                "runs.csv", "no usable run", "look at its flags and reasons; nothing can be diagnosed"
-            )
-        channels = [
-            c
-            for c in channels_on(inputs.bench)
-            if c.resolvable and c.name in inputs.table and c.name in OBSERVABLES
-        ]
-        table = inputs.table[inputs.table["run"].isin(usable)].reset_index(drop=True)
-        self.table, self.condensed = condense(table, len(channels))
-        self.conditions: RunConditions = conditions_from_runs(self.table, inputs.bench)
-        widths = [w for substrate in inputs.bench.substrates.values() for w in substrate.thickness]
-        entries = bench_channels.summarise(inputs.readings, inputs.spectra, inputs.bursts, thresholds, widths)
-        cell = inputs.bench.load_cell
-        rate = cell.stiffness.mean * inputs.bench.stage_speed
-        quarter = 0.5 * np.pi * np.sqrt(cell.mass.mean / cell.stiffness.mean)
-
-        def data(*explained: FloatArray) -> DataVector:
-            return build(
-                self.table, self.conditions, entries, channels, thresholds, rate, quarter, *explained
-            )
-
-        first = data()
-        self.known = known
-        self.first_fit: dict[str, float] = {} if known is None else dict(known["first_fit"])
-        if first.run_entries:
-            channels = list(first.channels)
-            first = data(*self._explained(first))
-        self.data = first
-        if self.data.run_entries == 0:
-            raise InputError("runs.csv", "no observable can be compared", "look at its flags and reasons")
-        moves = session_moves(self.forward(()), self.first_fit, thresholds["session_together"])
-        self.kernels: Kernels = with_sessions(kernels(self.data, thresholds), self.data.session, moves)
-        variances, self.dof = native_variances(self.table, self.data)
-        self.cells: Cells = cells_of(self.data, variances)
-        self.repeat_variance = repeat_variance(self.data, variances)
-        self.preload = estimated_preload(self.table, self.conditions)
-        self.swings = count_swings(self.table)
-
-    def model(self, effects: Sequence[str] = ()) -> ClutchModel:
-        """The campaign's model with ``effects`` on top, in the library's order."""
-        chosen = set(self.inputs.effects) | set(effects)
-        names = tuple(name for name in EFFECTS if name in chosen)
-        return ClutchModel(
-            self.inputs.bench, names, tolerance=SOLVER_TOLERANCE, **(self.inputs.model_options or {})
-        )
-
-    def _explained(self, first: DataVector) -> tuple[FloatArray, FloatArray]:
-        """Run-level predictions of the base model after a first fit, and what they are uncertain by, (channels, runs)
-        each."""
-        forward = Forward(self.model(), first, (), self.priors)
-        if self.known is None:
-            fitted = fit_hypothesis(forward, first, kernels(first, self.thresholds), self.thresholds)
-            self.first_fit = fitted.parameters
-        else:
-            _in_order(self.first_fit, forward)
-        return carried(forward, self.table, self.first_fit)
+        super().__init__(inputs, thresholds, known)
+        self.seed = seed
 
     def generator(self, *stream: int) -> np.random.Generator:
         """A generator of its own for each purpose: the same whatever else ran before."""
@@ -138,7 +50,7 @@ class Study:
     @cached_property
     def drift(self) -> RepeatDrift | None:
         """Repeats that follow the run order, where they do."""
-        return repeat_drift(self.data, self.preload, self.thresholds, self.generator(17))
+        return repeat_drift(self.data, self.thresholds, self.generator(17))
 
     @cached_property
     def base(self) -> HypothesisFit:
@@ -150,7 +62,7 @@ class Study:
         tolerance, session = found["size"]
         return plain_fit_at(
             forward, self.data, self.kernels, self.thresholds,
-            _in_order(found["at"], forward), (tolerance, session), found["converged"],
+            in_order(found["at"], forward), (tolerance, session), found["converged"],
         )  # fmt: skip
 
     @property
@@ -203,9 +115,6 @@ class Study:
         """
         mean = posterior_mean(self.sound)
         return {n: float(mean[i]) for i, n in enumerate(self.base.mode.names) if of_the_reading(n)}
-
-    def forward(self, effects: Sequence[str]) -> Forward:
-        return Forward(self.model(effects), self.data, effects, self.priors)
 
     def fit(
         self,
@@ -273,11 +182,3 @@ class Study:
         if fitted.effects and fitted.log_evidence < self.base.log_evidence + WORTH_OPENING:
             return Remainder(fitted.log_evidence, np.zeros(len(self.data)))
         return with_remainder(self.forward(fitted.effects), self.data, self.kernels, self.thresholds, fitted)
-
-
-def _in_order(named: Mapping[str, float], forward: Forward) -> FloatArray:
-    """Values (params,) in the order of ``forward``'s parameters. Raises InputError where they are not the same."""
-    names = forward.priors.names
-    if set(named) != set(names):
-        raise InputError("gap.json", "is of another model or campaign", "run diagnosis-gap again")
-    return np.array([named[name] for name in names])
