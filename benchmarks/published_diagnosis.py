@@ -111,7 +111,7 @@ def left_out_levels(study: Study, found: Mapping[str, Any]) -> dict[str, Any]:
     data, runs = study.data, study.data.run_entries
     first = [int(np.flatnonzero(data.groups == group)[0]) for group in data.entry_group]
     channel = np.asarray(data.channel[:runs]).astype(str)
-    bins = np.digitize(study.preload[first], (0.25, 0.75, 1.5))
+    bins = np.digitize(study.data.preload[first], (0.25, 0.75, 1.5))
     settings = {
         "width_mm": np.round(1e3 * data.conditions.width[first], 3),
         "thickness_mm": np.round(1e3 * data.conditions.thickness[first], 3),

@@ -26,7 +26,7 @@ def case():
     """A campaign, the row of its most loaded run, and the least force at which that slips in the model."""
     given = inputs()
     study = Study(given, load_thresholds())
-    row = int(np.argmax(study.preload))
+    row = int(np.argmax(study.data.preload))
     place = [channel.name for channel in study.data.channels].index(RELEASE)
     named = {name: np.array([value]) for name, value in study.first_fit.items()}
 
