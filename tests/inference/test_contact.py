@@ -34,7 +34,13 @@ def readings(rng, *, trials=3, widths=(2e-3, 2.5e-3, 3e-3), points=12, noise=0.0
                 low, high = -2e-5, 2e-5
                 for _ in range(60):
                     middle = 0.5 * (low + high)
-                    load = contact_force(middle, *TRUE.values(), BENCH.fixture.overlap_length, width)
+                    load = contact_force(
+                        middle,
+                        TRUE["contact_stiffness"],
+                        TRUE["roughness_sd"],
+                        BENCH.fixture.overlap_length,
+                        width,
+                    )
                     low, high = (middle, high) if load > force else (low, middle)
                 gap = 24e-6 / 52 + 0.5 * (low + high) + own
                 value = capacitance_scale(BENCH.pad, width, BENCH.fixture.overlap_length) / gap + stray

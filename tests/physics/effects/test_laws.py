@@ -5,6 +5,8 @@ The four runs of conftest: 300 V 1 kHz 2 mm 0.2 N | 300 V DC | 150 V 10 Hz 4 mm 
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from eaclutch.physics import laws
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.physics.sockets import Sockets
 
-CASES = {
+CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
     # t_i = 1 / 100 s; t_h = 0.5 ms, 3 s (the whole drive), 50 ms, 0.5 ms: 0.4 times 1/21, 300/301, 5/6, 1/21
     "trapped_charge": (
         {"residual_fraction": 0.4, "corner_frequency": 50.0, "decay_time": 0.05},
