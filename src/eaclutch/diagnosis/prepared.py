@@ -14,7 +14,8 @@ from eaclutch.diagnosis.cells import Cells, cells_of, native_variances, repeat_v
 from eaclutch.diagnosis.channels import channels_on
 from eaclutch.diagnosis.condense import condense
 from eaclutch.diagnosis.covariance import Kernels, kernels
-from eaclutch.diagnosis.data import DataVector, build
+from eaclutch.diagnosis.data import DataVector
+from eaclutch.diagnosis.entries import build
 from eaclutch.diagnosis.fit import fit_hypothesis
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.free_swing import count_swings
