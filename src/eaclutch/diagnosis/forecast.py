@@ -8,13 +8,13 @@ of the effect's own law, and weighed like real ones, with each law's free parame
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh, solve_triangular
+from scipy.linalg import solve_triangular
 from scipy.special import logsumexp
 
+from eaclutch.diagnosis.clouds import cloud_of
 from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.modulated import changes, gains
 from eaclutch.diagnosis.starts import scout_shifts
@@ -26,22 +26,9 @@ from eaclutch.records import FloatArray
 DRAWS = 12  # parameter sets of each effect
 REPLICAS = 10  # data sets simulated from each
 NONE_REPLICAS = 200
-AMPLITUDE_SD = 0.3  # a scouted signature stands for its neighbours of other amplitude, too
-AMPLITUDES = (0.5, 1.0, 2.0)
 SCOUTS_APART = 2  # every other one will do where each stands for three amplitudes
-LAW_DIRECTIONS = 12  # in which an effect's own law may be off, the widest ones
 SIZES = np.geomspace(0.05, 4.0, 10)  # of a typical draw
 SURE = 0.8  # probability of the right verdict that makes an effect identifiable
-
-
-@dataclass(frozen=True)
-class Cloud:
-    """Signatures of one law, whitened by the base model's marginal covariance: ``white`` (scouts, entries), and how
-    each may differ from the truth, in amplitude and in its law: ``spread`` (scouts, entries, directions)."""
-
-    name: str
-    white: FloatArray
-    spread: FloatArray
 
 
 class Forecast:
@@ -56,7 +43,12 @@ class Forecast:
         self.root = np.linalg.cholesky(self.covariance)
         self.clouds, self.lookalikes = (
             [
-                self._cloud(name, scout_shifts(study.forward((name,)), base)[0][::SCOUTS_APART])
+                cloud_of(
+                    scout_shifts(study.forward((name,)), base)[0][::SCOUTS_APART],
+                    self._law_share(name),
+                    self._whiten,
+                    self.kernels.smooth,
+                )
                 for name in names
             ]
             for names in (study.candidates, study.lookalikes)
@@ -81,26 +73,12 @@ class Forecast:
     def _whiten(self, w: FloatArray) -> FloatArray:
         return solve_triangular(self.root, w.T, lower=True).T
 
-    def _cloud(self, name: str, shifts: FloatArray) -> Cloud:
-        share = self._law_share(name)
-        white = self._whiten(shifts)
-        spread = np.empty((*white.shape, LAW_DIRECTIONS + 1))
-        for i, shift in enumerate(share * shifts):
-            half = self._whiten((self.kernels.smooth * np.outer(shift, shift)).T)
-            values, vectors = eigh(
-                self._whiten(half), subset_by_index=[len(shift) - LAW_DIRECTIONS, len(shift) - 1]
-            )
-            spread[i, :, 1:] = vectors * np.sqrt(np.maximum(values, 0.0))
-        spread[:, :, 0] = AMPLITUDE_SD * white
-        scaled = [(a * white, a * spread) for a in AMPLITUDES]
-        return Cloud(name, np.concatenate([w for w, _ in scaled]), np.concatenate([d for _, d in scaled]))
-
     def verdicts(self, w: FloatArray) -> np.ndarray:
         """Index into ``names`` of the most probable hypothesis for data (sets, entries)."""
         a = self._whiten(w)
         plain = -0.5 * np.sum(a**2, axis=1)
         log_det = float(np.sum(np.log(np.diag(self.root))))
-        scores = [self._cloud_evidence(a, cloud) for cloud in self.clouds]
+        scores = [cloud.evidence(a) for cloud in self.clouds]
         nameless = []
         for root in self.nameless_roots:
             z = solve_triangular(root, w.T, lower=True)
@@ -111,7 +89,7 @@ class Forecast:
         total = np.stack(scores, axis=1) / temperature + self.log_prior
         unknown = self.names.index("unknown")
         for cloud in self.lookalikes:
-            looks = self._cloud_evidence(a, cloud) / temperature + self.log_lookalike
+            looks = cloud.evidence(a) / temperature + self.log_lookalike
             total[:, unknown] = np.logaddexp(total[:, unknown], looks)
         weights = np.exp(total - logsumexp(total, axis=1, keepdims=True))
         odds = float(self.study.thresholds["unknown_odds"])
@@ -128,19 +106,6 @@ class Forecast:
         gained = np.concatenate([gains(moved, white, np.array(settings["sizes"])) for moved in self.laws])
         law = plain + logsumexp(gained, axis=0) - np.log(len(gained))
         return np.logaddexp(smooth + np.log1p(-settings["share"]), law + np.log(settings["share"]))
-
-    @staticmethod
-    def _cloud_evidence(a: FloatArray, cloud: Cloud) -> FloatArray:
-        """log mean over scouts b of N(a; b, 1 + D D'), D its spread, up to the constant that all share."""
-        scores = np.empty((len(cloud.white), len(a)))
-        for i, (b, spread) in enumerate(zip(cloud.white, cloud.spread, strict=True)):
-            difference = a - b
-            inner = cho_factor(np.eye(spread.shape[1]) + spread.T @ spread, lower=True)
-            along = difference @ spread
-            explained = np.sum(along.T * cho_solve(inner, along.T), axis=0)
-            log_det = np.sum(np.log(np.diag(inner[0])))
-            scores[i] = -0.5 * (np.sum(difference**2, axis=1) - explained) - log_det
-        return logsumexp(scores, axis=0) - np.log(len(scores))
 
     def _law_share(self, name: str) -> float:
         """By what share of its signature an effect's own law may be off."""
