@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import inputs
+from eaclutch.diagnosis.screening import voltage_off_doubt
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.switch_timing import EDGE_SD, SAMPLE, expected_odd, shared_edge_sd
@@ -13,9 +14,9 @@ from eaclutch.diagnosis.switch_timing import EDGE_SD, SAMPLE, expected_odd, shar
 TIMES = ("release_time_10_s", "release_time_50_s", "release_time_90_s")
 
 
-def of_durations(study, durations):
+def of_durations(study, durations, doubt=0.0):
     conditions = replace(study.conditions, drive_duration=np.asarray(durations, dtype=float))
-    return shared_edge_sd(conditions)
+    return shared_edge_sd(conditions, np.full(len(conditions), doubt))
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +43,33 @@ def test_a_switch_in_step_with_the_sampling_shares_all_of_its_error(study):
 
 def test_a_frequency_with_one_run_shares_nothing(study):
     alone = study.conditions.select(np.unique(study.conditions.frequency, return_index=True)[1])
-    assert not shared_edge_sd(alone).any()
+    assert not shared_edge_sd(alone, np.full(len(alone), 6e-5)).any()
+
+
+def test_what_the_log_leaves_open_is_shared_by_a_frequency(study):
+    """Drives that last the same leave the same wave unseen: the mean of all their runs is as uncertain as one."""
+    frequency = study.conditions.frequency
+    known, unsure = (of_durations(study, 3.0 + 0.5 / frequency, doubt) for doubt in (0.0, 6e-5))
+    _, index, runs = np.unique(frequency, return_inverse=True, return_counts=True)
+    assert unsure**2 - known**2 == pytest.approx(3.6e-9 * (1.0 - 1.0 / runs[index]))
+
+
+def test_the_doubt_is_read_from_the_table(study):
+    table = study.inputs.table.copy()
+    table["flags"] = ""
+    table.loc[table.index[3], "flags"] = "no_zero;voltage_off_unsure"
+    doubt = voltage_off_doubt(table)
+    assert np.flatnonzero(doubt).tolist() == [3]
+    assert doubt[3] == table["release_time_50_s_sd"].iloc[3]
+
+
+def test_all_release_times_may_be_read_late_together(study):
+    """A fall's first samples are put in by one rule for all runs."""
+    data = study.data
+    timed = np.char.startswith(data.channel.astype(str), "release_time")
+    assert (data.fall_sd[timed] > 0.0).all() and not data.fall_sd[~timed].any()
+    first, last = np.flatnonzero(timed)[[0, -1]]
+    assert study.kernels.shared_noise[first, last] >= data.fall_sd[first] * data.fall_sd[last]
 
 
 def test_a_free_switch_shares_little(study):

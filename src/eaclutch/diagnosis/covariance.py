@@ -67,7 +67,7 @@ def kernels(data: DataVector, thresholds: Mapping[str, Any]) -> Kernels:
     across = np.where(same_family, np.where(same_channel, 1.0, rho), 0.0)
     same_frequency = data.frequency[:, None] == data.frequency[None, :]
     offsets = np.outer(data.offset_sd, data.offset_sd) * same_offset
-    edges = np.outer(data.edge_sd, data.edge_sd) * same_frequency
+    edges = np.outer(data.edge_sd, data.edge_sd) * same_frequency + np.outer(data.fall_sd, data.fall_sd)
     scatter = np.array([thresholds["scatter"].get(b, 0.0) for b in data.block])
     tolerance = np.outer(tolerance_sd, tolerance_sd) * between * same_family * shape
     return Kernels(

@@ -42,6 +42,7 @@ class DataVector:
     offset: np.ndarray
     offset_sd: FloatArray
     edge_sd: FloatArray  # of voltage off, shared with other entries of the drive frequency (diagnosis.switch_timing)
+    fall_sd: FloatArray  # of how a fall is read, shared by all entries
     frequency: FloatArray  # (entries,) [Hz], 0 for bench entries
     family: np.ndarray
     features: FloatArray

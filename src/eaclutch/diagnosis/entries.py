@@ -26,10 +26,11 @@ from eaclutch.diagnosis.screening import (
     scaled_column,
     slips_at_switch_off,
     stray,
+    voltage_off_doubt,
     wrongly_moved,
     zero_unknown,
 )
-from eaclutch.diagnosis.switch_timing import shared_edge_sd
+from eaclutch.diagnosis.switch_timing import FALL_SD, shared_edge_sd
 from eaclutch.records import FloatArray, RunConditions
 
 IntArray = np.ndarray
@@ -128,11 +129,10 @@ def _assemble(
         n, settings.shape[1]
     )
     first = [rows[0] for _, rows, *_ in entries]
-    shared = shared_edge_sd(conditions)
-    edge = [
-        shared[i] / channels[e[0]].unit_scale if channels[e[0]].block == TIMED_BLOCK else 0.0
-        for i, e in zip(first, entries, strict=True)
-    ]
+    shared = shared_edge_sd(conditions, voltage_off_doubt(table))
+    unit = [1.0 / channels[e[0]].unit_scale if channels[e[0]].block == TIMED_BLOCK else 0.0 for e in entries]
+    fall = FALL_SD * np.array(unit)
+    edge = shared[np.array(first, dtype=int)] * np.array(unit)
     wide = max(features.shape[1], bench.features.shape[1])
 
     def join(runs: list, others: np.ndarray) -> np.ndarray:
@@ -152,6 +152,7 @@ def _assemble(
         join([conditions.session[i] for i in first], bench.offset),
         np.concatenate([np.zeros(n), bench.offset_sd]),
         np.concatenate([edge, np.zeros(len(bench.values))]),
+        np.concatenate([fall, np.zeros(len(bench.values))]),
         np.concatenate([conditions.frequency[first], np.zeros(len(bench.values))]),
         join(["run"] * n, bench.block),
         np.concatenate([_widen(features, wide), _widen(bench.features, wide)]),

@@ -36,6 +36,14 @@ def scaled_column(table: pd.DataFrame, channel: Channel) -> tuple[FloatArray, Fl
     return scaled, np.nan_to_num(channel.forward_sd(values, sd))
 
 
+def voltage_off_doubt(table: pd.DataFrame) -> FloatArray:
+    """Standard uncertainty [s] (runs,) of voltage off where the log leaves open which it was: that of the half-way
+    time, which is nearly all of it; 0 elsewhere."""
+    unsure = _flagged(table, lambda flag: flag == "voltage_off_unsure")
+    sd = table.get("release_time_50_s_sd", pd.Series(np.nan, table.index)).to_numpy(float)
+    return np.where(unsure & np.isfinite(sd), sd, 0.0)
+
+
 def zero_unknown(table: pd.DataFrame) -> np.ndarray:
     """Runs (runs,) that do not show the load cell's zero: their forces still hold it (contract: observables)."""
     return _flagged(table, lambda flag: flag == "no_zero")

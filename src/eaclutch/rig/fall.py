@@ -8,6 +8,10 @@ from scipy.signal import savgol_coeffs
 from eaclutch.records import FloatArray
 
 BOTTOM = 0.0015  # s after a level is first passed in which the fall ends
+MOST = (
+    0.5,
+    0.75,
+)  # of the way, done behind the pick-up: from the first on its fall may flatten there, from the second it does
 STAYS = 0.0003  # s below a level near the fall's end, after which another passing is none of the fall
 
 
@@ -28,20 +32,30 @@ def smoothed(force: FloatArray, weights: FloatArray, level: FloatArray) -> Float
     return np.lib.stride_tricks.sliding_window_view(padded, len(weights), axis=1) @ weights[::-1]
 
 
-def over_pick_up(force: FloatArray, spoiled: np.ndarray) -> FloatArray:
-    """Forces (draws, samples) with ``spoiled`` samples (samples,) bridged from their neighbours.
+def over_pick_up(
+    time: FloatArray, force: FloatArray, spoiled: np.ndarray, way: FloatArray, noise_sd: float
+) -> FloatArray:
+    """Forces (draws, samples) with ``spoiled`` samples (samples,) bridged; ``time`` (samples,) [s].
 
     Just after the voltage fell the force has hardly begun to fall: a parabola that leaves the left neighbour level.
+    A fast load cell has done most of its ``way`` (draws,) [N] before it is seen again, and falls less steeply by then:
+    the cubic term that the two samples behind show is added, less what of it ``noise_sd`` [N] may be.
     """
-    if not spoiled.any():
+    index = np.flatnonzero(spoiled)
+    if not len(index) or index[0] < 1 or index[-1] + 2 >= len(time):
         return force
-    known = np.flatnonzero(~spoiled)
-    missing = np.flatnonzero(spoiled)
-    right = np.clip(np.searchsorted(known, missing), 1, len(known) - 1)
-    left_at, right_at = known[right - 1], known[right]
-    part = ((missing - left_at) / (right_at - left_at)) ** 2
+    left, behind = index[0] - 1, index[-1] + 1
+    early, late = (float(time[behind + i] - time[left]) for i in (0, 1))
+    fallen, then = (force[:, left] - force[:, behind + i] for i in (0, 1))
+    cubic = np.minimum((then / late**2 - fallen / early**2) / (late - early), 0.0)
+    variance = (noise_sd / (late - early)) ** 2 * (early**-4 + late**-4)
+    cubic = cubic * np.maximum(1.0 - variance / np.maximum(cubic**2, variance), 0.0)
+    cubic = cubic * np.clip((fallen / way - MOST[0]) / (MOST[1] - MOST[0]), 0.0, 1.0)
+    at = time[index] - time[left]
     filled = force.copy()
-    filled[:, missing] = (1.0 - part) * force[:, left_at] + part * force[:, right_at]
+    filled[:, index] = force[:, left, None] - at**2 * (
+        fallen[:, None] / early**2 + cubic[:, None] * (at - early)
+    )
     return filled
 
 

@@ -44,8 +44,8 @@ def release_times(run: RunView) -> dict[float, Estimate]:
 
     def passing(force: FloatArray, level: FloatArray, end: FloatArray) -> tuple[FloatArray, FloatArray]:
         known = np.where(driven, level[:, None], force)
-        smooth = smoothed(over_pick_up(known, hidden), weights, level)
         way = level - end
+        smooth = smoothed(over_pick_up(time, known, hidden, way, noise.white_sd), weights, level)
         shares = [
             passing_times(time, smooth, level - share * way, CLEAR * way, near_end=1.0 - share <= CLEAR)
             for share in SHARES
