@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import inputs
-from eaclutch.diagnosis.session_moves import session_moves, with_sessions
+from eaclutch.diagnosis.conclude import caveats
+from eaclutch.diagnosis.session_moves import session_moves, sessions_apart, with_sessions
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 
@@ -38,6 +39,26 @@ def test_moves_are_what_the_model_says_of_one_sd(study):
     assert np.median(np.abs(moves[0, :n] - moved)[steady] / np.abs(moved)[steady]) < 0.2
     capacity = study.data.channel[:n] == "shear_capacity_n"
     assert np.all(moves[1, :n][capacity] > 0.02)
+
+
+def test_sessions_further_apart_than_usual_are_a_caveat():
+    """A session that holds half as much again, many times the spread, without a name for it."""
+    given = inputs()
+    table = given.table.copy()
+    last = table["session"] == table["session"].max()
+    table.loc[last, "shear_capacity_n"] *= 1.5
+    study = Study(replace(given, table=table), load_thresholds())
+    shares = sessions_apart(study.data, study.base.mode.predicted)
+    assert 0.2 < max(shares.values()) - min(shares.values()) < 0.6
+    assert max(shares, key=lambda name: shares[name]) == table["session"].max()
+    assert study.base.multipliers[1] == 2.0
+    assert [note for note in caveats(study) if "2 times as far apart" in note and f"{max(shares)} +" in note]
+    one = replace(study.data, session=np.full(len(study.data), "a", dtype=object))
+    assert sessions_apart(one, study.base.mode.predicted) == {}
+
+
+def test_sessions_as_usual_are_none(study):
+    assert not [note for note in caveats(study) if "far apart" in note]
 
 
 def test_each_session_differs_in_its_own_way(study):

@@ -16,6 +16,7 @@ from eaclutch.diagnosis.gaussian import leave_out, log_normal
 from eaclutch.diagnosis.localise import localise
 from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
+from eaclutch.diagnosis.session_moves import sessions_apart
 from eaclutch.diagnosis.study import SESSION_SPREADS, Study
 from eaclutch.diagnosis.verdict import Verdict, decide, in_words
 from eaclutch.diagnosis.weigh import NONE, UNKNOWN, probabilities
@@ -142,6 +143,15 @@ def caveats(study: Study) -> list[str]:
             f"repeats of {drift.channel} follow the run order within a session ({drift.share:.0%} of their scatter, "
             f"p = {drift.p_value:.1g}), and the noise floor holds that drift"
         )
+    spreads = study.thresholds["multipliers"]["session"]["values"]
+    if study.base.multipliers[1] == max(spreads):
+        shares = sessions_apart(study.data, study.base.mode.predicted)
+        if shares:
+            apart = ", ".join(f"{name} {share:+.0%}" for name, share in shares.items())
+            notes.append(
+                f"sessions lie {max(spreads):g} times as far apart as usual (shear capacity against the model's: "
+                f"{apart}), and that spread may hold a drift from session to session"
+            )
     if study.swings and OSCILLATOR not in study.inputs.effects:
         notes.append(f"{study.swings} runs swing freely after switch-off, which the model cannot")
     return notes

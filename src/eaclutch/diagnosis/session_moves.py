@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 
 from eaclutch.diagnosis.covariance import Kernels
+from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.mode import gentler
 from eaclutch.records import FloatArray
 
 STEP = 0.02  # of a parameter's logarithm
+CAPACITY = "shear_capacity_n"
 STEEPEST = 10.0  # change of an entry per unit of that; a run on the verge of sticking jumps
 
 
@@ -49,3 +51,18 @@ def with_sessions(kernels: Kernels, sessions: np.ndarray, moves: FloatArray) -> 
     (entries,): their names."""
     same = sessions[:, None] == sessions[None, :]
     return replace(kernels, session=kernels.session + (moves.T @ moves) * same)
+
+
+def sessions_apart(data: DataVector, predicted: FloatArray) -> dict[str, float]:
+    """By what share the shear capacity of each session stands above what the model says of all, {session: share};
+    predicted: (entries,). Empty without capacities of two sessions."""
+    n = data.run_entries
+    used = np.flatnonzero(data.channel[:n] == CAPACITY)
+    sessions = data.session[used]
+    if len(set(sessions)) < 2:
+        return {}
+    left, weight = (data.values - predicted)[used], 1.0 / data.noise_sd[used] ** 2
+    return {
+        str(name): float(np.expm1(np.average(left[sessions == name], weights=weight[sessions == name])))
+        for name in sorted(set(sessions))
+    }
