@@ -18,9 +18,9 @@ from eaclutch.records import FloatArray, RunConditions
 from eaclutch.simulation.observables import EDGE_SD
 
 SAMPLE = EDGE_SD * np.sqrt(12.0)  # s
-# By what the release times of all runs may be off together [s]: about the bias of a fast load cell's
-# (benchmarks/extractor_coverage.py, fast).
-FALL_SD = 1.0e-5
+# By what the release times of all runs may be off together [s]: about the bias at 50 and 90 % of a fast load cell
+# with a narrow strip (benchmarks/extractor_coverage.py, fast). Twice that cost open trapped charges a fifth of theirs.
+FALL_SD = 5.0e-6
 # Odd counts expected of a free switch, that the whole campaign weighs beside those of one frequency.
 POOLED = 10.0
 # Of the odd counts expected, from which on a campaign's switch runs free: their number scatters by a third.
