@@ -18,8 +18,9 @@ from eaclutch.records import FloatArray, RunConditions
 from eaclutch.simulation.observables import EDGE_SD
 
 SAMPLE = EDGE_SD * np.sqrt(12.0)  # s
-# By what the release times of all runs may be off together [s]: about the bias at 50 and 90 % of a fast load cell
-# with a narrow strip (benchmarks/extractor_coverage.py, fast). Twice that cost open trapped charges a fifth of theirs.
+# By what the release times of all runs may be off together [s]. Simulated fast load cells with narrow strips are read
+# right to 3 us (benchmarks/extractor_coverage.py, fast), those of an outside generator 10 to 20 us late (by hand). Twice
+# this cost open trapped charges a fifth of their probability.
 FALL_SD = 5.0e-6
 # Odd counts expected of a free switch, that the whole campaign weighs beside those of one frequency.
 POOLED = 10.0
