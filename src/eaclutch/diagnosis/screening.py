@@ -38,10 +38,10 @@ def scaled_column(table: pd.DataFrame, channel: Channel) -> tuple[FloatArray, Fl
 
 def voltage_off_doubt(table: pd.DataFrame) -> FloatArray:
     """Standard uncertainty [s] (runs,) of voltage off where the log leaves open which it was: that of the half-way
-    time, which is nearly all of it; 0 elsewhere."""
+    time, which is nearly all of it; 0 elsewhere, NaN for runs without that time."""
     unsure = _flagged(table, lambda flag: flag == "voltage_off_unsure")
     sd = table.get("release_time_50_s_sd", pd.Series(np.nan, table.index)).to_numpy(float)
-    return np.where(unsure & np.isfinite(sd), sd, 0.0)
+    return np.where(unsure | ~np.isfinite(sd), sd, 0.0)
 
 
 def zero_unknown(table: pd.DataFrame) -> np.ndarray:

@@ -32,7 +32,7 @@ def shared_edge_sd(conditions: RunConditions, doubt: FloatArray) -> FloatArray:
     """Standard uncertainty [s] (runs,) of voltage off that the runs of a drive frequency share.
 
     doubt: (runs,) [s], of a run's own voltage off where the log leaves open which it was, 0 where it is known to a
-    sample; what more than half of a frequency's runs have, they share.
+    sample, NaN for a run without release times; what more than half of a frequency's others have, they share.
 
     From how many runs last another number of samples than most of their frequency do, over how many would if the switch
     ran free: none: they share it, and the mean of n runs is as uncertain as one. What each run has by itself already
@@ -46,7 +46,8 @@ def shared_edge_sd(conditions: RunConditions, doubt: FloatArray) -> FloatArray:
         odd[rows] = np.count_nonzero(np.abs(duration - np.median(duration)) > 0.5 * SAMPLE)
         runs[rows] = np.count_nonzero(rows)
         expected[rows] = expected_odd(len(duration))
-        unsure[rows] = np.median(doubt[rows])
+        timed = doubt[rows][np.isfinite(doubt[rows])]
+        unsure[rows] = np.median(timed) if len(timed) else 0.0
     first = np.unique(index, return_index=True)[1]
     of_all = min(1.0, float(odd[first].sum()) / max(FREE * float(expected[first].sum()), 1e-9))
     free = (odd + POOLED * of_all) / (expected + POOLED)

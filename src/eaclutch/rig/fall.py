@@ -8,10 +8,8 @@ from scipy.signal import savgol_coeffs
 from eaclutch.records import FloatArray
 
 BOTTOM = 0.0015  # s after a level is first passed in which the fall ends
-MOST = (
-    0.5,
-    0.75,
-)  # of the way, done behind the pick-up: from the first on its fall may flatten there, from the second it does
+# Share of the way, done behind the pick-up, from which on a fall may flatten there, and does.
+MOST = (0.5, 0.75)
 STAYS = 0.0003  # s below a level near the fall's end, after which another passing is none of the fall
 
 
