@@ -37,6 +37,12 @@ def test_what_a_lookalike_wins_is_unknowns():
         THRESHOLDS["unknown_odds"] * THRESHOLDS["prior"]["lookalike_share"] * level["substrate_inertia",]
         + alone[UNKNOWN] * level["substrate_inertia",] / alone["substrate_inertia",]
     )
+    likelier = probabilities([*results, weighed(("leaky_film",), 40.0)], THRESHOLDS)
+    share = {found: weights[UNKNOWN] / weights["substrate_inertia",] for found, weights in
+             (("alone", alone), ("level", level), ("likelier", likelier))}  # fmt: skip
+    assert share["likelier"] - share["alone"] == pytest.approx(
+        THRESHOLDS["prior"]["odds"]["leaky_film"] * (share["level"] - share["alone"])
+    )
     assert ahead[UNKNOWN] > 0.99
     for found in (behind, level, ahead):
         assert set(found) == {(), ("substrate_inertia",), UNKNOWN}

@@ -41,7 +41,7 @@ class Forecast:
         self.kernels: Kernels = study.kernels
         self.covariance = base.linearised.marginal()
         self.root = np.linalg.cholesky(self.covariance)
-        self.clouds, self.lookalikes = (
+        self.clouds, lookalikes = (
             [
                 cloud_of(
                     scout_shifts(study.forward((name,)), base)[0][::SCOUTS_APART],
@@ -57,9 +57,11 @@ class Forecast:
         thresholds = study.thresholds
         prior = thresholds["prior"]
         named = (1.0 - prior["none"] - prior["unknown"]) / max(LIBRARY, len(self.clouds))
-        single = [named * prior["rarer"].get(name, 1.0) for name in study.candidates]
+        single = [named * prior["odds"].get(name, 1.0) for name in study.candidates]
         self.log_prior = np.log([*single, prior["unknown"], prior["none"]])
-        self.log_lookalike = float(np.log(named * prior["lookalike_share"]))
+        less = named * prior["lookalike_share"]
+        odds = [less * prior["odds"].get(name, 1.0) for name in study.lookalikes]
+        self.lookalikes = list(zip(lookalikes, np.log(odds), strict=True))
         self.nameless_roots = [
             np.linalg.cholesky(self.covariance + self.kernels.tolerance * (factor**2 - 1.0))
             for factor in thresholds["nameless"]["factors"]
@@ -88,8 +90,8 @@ class Forecast:
         temperature = self.study.thresholds["temperature"]
         total = np.stack(scores, axis=1) / temperature + self.log_prior
         unknown = self.names.index("unknown")
-        for cloud in self.lookalikes:
-            looks = cloud.evidence(a) / temperature + self.log_lookalike
+        for cloud, log_prior in self.lookalikes:
+            looks = cloud.evidence(a) / temperature + log_prior
             total[:, unknown] = np.logaddexp(total[:, unknown], looks)
         weights = np.exp(total - logsumexp(total, axis=1, keepdims=True))
         odds = float(self.study.thresholds["unknown_odds"])

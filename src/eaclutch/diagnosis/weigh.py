@@ -39,10 +39,11 @@ def probabilities(
     block is given up. Of the nats by which the best name beats the nameless terms only a part counts
     (``against_unknown``): these stand for all laws that nobody wrote down, and such a law may look more like a library
     effect than like them. Lookalikes, each less probable beforehand than an effect of the library
-    (``lookalike_share``), are written down, and count in full; what they win is ``unknown``'s. And a name whose fit
-    fails the absolute check gives ``misfit_share`` of its probability to ``unknown``, for evidence only says who is
-    best, and more (``partly``) where it surely leaves much of a large gap on conditions left out (``left``: how many
-    times the base model's). So does one that surely widens that by far (``widening``). The odds of ``unknown`` against
+    (``lookalike_share``, ``odds``), are written down, and count in full; what they win is ``unknown``'s. And a name
+    whose fit fails the absolute check gives ``misfit_share`` of its probability to ``unknown``, for evidence only says
+    who is best, and more (``partly``) where it surely leaves much of a large gap on conditions left out (``left``: how
+    many times the base model's). So does one that surely widens that by far (``widening``). The odds of ``unknown``
+    against
     all that may be named are corrected last (``unknown_odds``); no effect keeps its probability, but for what it
     gives to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no
     effect of the library does that.
@@ -133,8 +134,8 @@ def _scores(
     counted, temperature = counted_evidence(results, thresholds), float(thresholds["temperature"])
 
     def score(result: CandidateResult) -> float:
-        rarer = sum(float(np.log(prior["rarer"].get(name, 1.0))) for name in result.effects)
-        return counted(result) / temperature + float(np.log(share[len(result.effects)])) + rarer
+        odds = sum(float(np.log(prior["odds"].get(name, 1.0))) for name in result.effects)
+        return counted(result) / temperature + float(np.log(share[len(result.effects)])) + odds
 
     nameless = max(r.log_evidence_without_open for r in results) / temperature + float(
         np.log(prior["unknown"])
