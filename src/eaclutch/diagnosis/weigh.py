@@ -43,9 +43,8 @@ def probabilities(
     whose fit fails the absolute check gives ``misfit_share`` of its probability to ``unknown``, for evidence only says
     who is best, and more (``partly``) where it surely leaves much of a large gap on conditions left out (``left``: how
     many times the base model's). So does one that surely widens that by far (``widening``). The odds of ``unknown``
-    against
-    all that may be named are corrected last (``unknown_odds``); no effect keeps its probability, but for what it
-    gives to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no
+    against all that may be named are corrected last (``unknown_odds``); no effect keeps its probability, but for what
+    it gives to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no
     effect of the library does that.
     """
     score, nameless, lookalikes = _scores(results, thresholds)
