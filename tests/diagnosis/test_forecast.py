@@ -90,6 +90,9 @@ def test_what_a_lookalike_does_is_unknown_to_the_forecast_too(forecast, monkeypa
     data = forecast.simulate(shift, 200, np.random.default_rng(8), 0.2)
     unknown = forecast.names.index("unknown")
     assert np.mean(forecast.verdicts(data) == unknown) > 0.9
+    priors = dict(zip(study.lookalikes, (prior for _, prior in forecast.lookalikes), strict=True))
+    odds = study.thresholds["prior"]["odds"]["leaky_film"]
+    assert np.exp(priors["leaky_film"] - priors["readout_lag"]) == pytest.approx(odds)
     monkeypatch.setattr(forecast, "lookalikes", [])
     assert np.mean(forecast.verdicts(data) == unknown) < 0.5
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import inputs
-from eaclutch.diagnosis.conclude import caveats
+from eaclutch.diagnosis.conclude import far_apart
 from eaclutch.diagnosis.session_moves import session_moves, sessions_apart, with_sessions
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
@@ -51,14 +51,22 @@ def test_sessions_further_apart_than_usual_are_a_caveat():
     shares = sessions_apart(study.data, study.base.mode.predicted)
     assert 0.2 < max(shares.values()) - min(shares.values()) < 0.6
     assert max(shares, key=lambda name: shares[name]) == table["session"].max()
-    assert study.base.multipliers[1] == 2.0
-    assert [note for note in caveats(study) if "2 times as far apart" in note and f"{max(shares)} +" in note]
+    base = study.weigh(())
+    assert base.multipliers[1] == 2.0
+    for best in ((), ("unknown",)):
+        (note,) = far_apart(study, [base], {best: 1.0})
+        assert "2 times as far apart" in note and f"{table['session'].max()} +" in note
+    # a drift says so itself, and what explains the gap may need less
+    drift = replace(base, effects=("session_drift",))
+    assert far_apart(study, [base, drift], {drift.effects: 1.0}) == []
+    named = replace(base, effects=("gas_slip",), multipliers=(1.0, 1.0))
+    assert far_apart(study, [base, named], {named.effects: 1.0}) == []
     one = replace(study.data, session=np.full(len(study.data), "a", dtype=object))
     assert sessions_apart(one, study.base.mode.predicted) == {}
 
 
 def test_sessions_as_usual_are_none(study):
-    assert not [note for note in caveats(study) if "far apart" in note]
+    assert far_apart(study, [study.weigh(())], {(): 1.0}) == []
 
 
 def test_each_session_differs_in_its_own_way(study):

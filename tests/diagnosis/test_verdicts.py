@@ -331,7 +331,6 @@ def test_a_drift_of_repeats_is_a_caveat():
     study = SimpleNamespace(
         data=SimpleNamespace(bench=SimpleNamespace(notes=())), condensed=(), swings=0, drift=drift, dof={"x": 1},
         conditions=SimpleNamespace(condition=("a", "b"), session=("1", "2")), inputs=SimpleNamespace(effects=()),
-        thresholds=load_thresholds(), base=SimpleNamespace(multipliers=(1.0, 1.0)),
     )  # fmt: skip
     assert [
         note for note in caveats(study) if "shear_capacity_n follow the run order" in note and "72%" in note

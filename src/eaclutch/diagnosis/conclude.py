@@ -22,6 +22,7 @@ from eaclutch.diagnosis.verdict import Verdict, decide, in_words
 from eaclutch.diagnosis.weigh import NONE, UNKNOWN, probabilities
 from eaclutch.records import FloatArray
 
+SESSION_DRIFT = "session_drift"
 CAMPAIGNS = 400  # simulated, for every p-value and the noise floor, unless the config says otherwise
 
 
@@ -33,7 +34,7 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
     _, groups = condition_groups(study.data)
     left = leave_out(linearised, groups)
     weights = probabilities(results, study.thresholds, surely_left(study, results))
-    notes = [*caveats(study), *stopped(results, weights)]
+    notes = [*caveats(study), *far_apart(study, results, weights), *stopped(results, weights)]
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)
     strict = study.kernels.total(tolerance=0.0, session=session_spread(study, after), scatter=False)
@@ -127,6 +128,24 @@ def stopped(results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...]
     ]
 
 
+def far_apart(
+    study: Study, results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...], float]
+) -> list[str]:
+    """A caveat where the most probable set (the base model for ``unknown``) needs the widest spread between sessions,
+    unless it says itself that they drift."""
+    best = max(weights, key=lambda effects: weights[effects])
+    widest = max(study.thresholds["multipliers"]["session"]["values"])
+    needed = next(r.multipliers[1] for r in results if r.effects == (NONE if best == UNKNOWN else best))
+    shares = sessions_apart(study.data, study.base.mode.predicted)
+    if SESSION_DRIFT in best or needed < widest or not shares:
+        return []
+    apart = ", ".join(f"{name} {share:+.0%}" for name, share in shares.items())
+    return [
+        f"sessions lie {widest:g} times as far apart as usual (shear capacity against the model's: {apart}), "
+        "and that spread may hold a drift from session to session"
+    ]
+
+
 def caveats(study: Study) -> list[str]:
     """What this campaign cannot say, by name."""
     notes = [*study.data.bench.notes, *study.condensed]
@@ -143,15 +162,6 @@ def caveats(study: Study) -> list[str]:
             f"repeats of {drift.channel} follow the run order within a session ({drift.share:.0%} of their scatter, "
             f"p = {drift.p_value:.1g}), and the noise floor holds that drift"
         )
-    spreads = study.thresholds["multipliers"]["session"]["values"]
-    if study.base.multipliers[1] == max(spreads):
-        shares = sessions_apart(study.data, study.base.mode.predicted)
-        if shares:
-            apart = ", ".join(f"{name} {share:+.0%}" for name, share in shares.items())
-            notes.append(
-                f"sessions lie {max(spreads):g} times as far apart as usual (shear capacity against the model's: "
-                f"{apart}), and that spread may hold a drift from session to session"
-            )
     if study.swings and OSCILLATOR not in study.inputs.effects:
         notes.append(f"{study.swings} runs swing freely after switch-off, which the model cannot")
     return notes

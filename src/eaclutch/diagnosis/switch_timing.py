@@ -20,7 +20,7 @@ from eaclutch.simulation.observables import EDGE_SD
 SAMPLE = EDGE_SD * np.sqrt(12.0)  # s
 # By what the release times of all runs may be off together [s]. Simulated fast load cells with narrow strips are read
 # right to 3 us (benchmarks/extractor_coverage.py, fast), those of an outside generator 10 to 20 us late (by hand).
-# Twice this cost open trapped charges a fifth of their probability.
+# Twice this cost two open trapped charges a fifth of their probability (by hand).
 FALL_SD = 5.0e-6
 # Odd counts expected of a free switch, that the whole campaign weighs beside those of one frequency.
 POOLED = 10.0

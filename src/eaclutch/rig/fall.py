@@ -33,14 +33,15 @@ def smoothed(force: FloatArray, weights: FloatArray, level: FloatArray) -> Float
 def over_pick_up(
     time: FloatArray, force: FloatArray, spoiled: np.ndarray, way: FloatArray, noise_sd: float
 ) -> FloatArray:
-    """Forces (draws, samples) with ``spoiled`` samples (samples,) bridged; ``time`` (samples,) [s].
+    """Forces (draws, samples) with ``spoiled`` samples (samples,) bridged, one before and two behind them being sound;
+    ``time`` (samples,) [s].
 
     Just after the voltage fell the force has hardly begun to fall: a parabola that leaves the left neighbour level.
     A fast load cell has done most of its ``way`` (draws,) [N] before it is seen again, and falls less steeply by then:
     the cubic term that the two samples behind show is added, less what of it ``noise_sd`` [N] may be.
     """
     index = np.flatnonzero(spoiled)
-    if not len(index) or index[0] < 1 or index[-1] + 2 >= len(time):
+    if not len(index):
         return force
     left, behind = index[0] - 1, index[-1] + 1
     early, late = (float(time[behind + i] - time[left]) for i in (0, 1))
