@@ -67,14 +67,15 @@ def test_release_with_an_effect(name, runs, bench):
 
 
 def test_side_walls_hold_more_while_the_voltage_is_on(runs, bench):
-    """300 V multiply the side walls' static friction by 1 + gain in the capacity, and nothing once it is off."""
+    """The pull's static friction adds to the capacity, and nothing once the voltage is off."""
     model, conditions = ClutchModel(bench, (*BASE, "edge_wrap")), runs(voltage=300.0, switch_off_force=0.9)
     wrap = {"edge_wrap.friction_per_preload": 0.3, "edge_wrap.damping_per_preload": 1.0}
     plain = model.predict(conditions, wrap)
-    pulled = model.predict(conditions, {**wrap, "edge_wrap.drive_gain": 2.0})
-    side = float(model.rows(conditions, wrap)[0][0, 0]["side_friction_static"])
+    pulled = model.predict(conditions, {**wrap, "edge_wrap.pull_per_preload": 0.2})
+    row = model.rows(conditions, {**wrap, "edge_wrap.pull_per_preload": 0.2})[0][0, 0]
+    assert row["side_pull"] > 0.0
     more = pulled.values["shear_capacity_n"] - plain.values["shear_capacity_n"]
-    assert more[0, 0] == pytest.approx(2.0 * side, rel=1e-6)
+    assert more[0, 0] == pytest.approx(row["side_pull"] * row["film_static"] / row["film_kinetic"], rel=1e-6)
     assert pulled.values[TIMES[2]][0, 0] == plain.values[TIMES[2]][0, 0]
 
 

@@ -68,7 +68,9 @@ class Sockets:
     )
     side_friction: FloatArray | float = 0.0  # N kinetic, beside base and film, while sliding
     side_friction_static: FloatArray | float = 0.0  # N static
-    side_drive_factor: FloatArray | float = 1.0  # multiplies both while the voltage is on
+    side_pull: FloatArray | float = (
+        0.0  # N kinetic, more of it while the voltage is on (static in the film's ratio)
+    )
     side_damping: FloatArray | float = 0.0  # kg/s, viscous, while the tip pushes
     static_factor_release: FloatArray | float = (
         1.0  # multiplies the static coefficients at switch-off (rest = dwell)

@@ -21,20 +21,22 @@ CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
         {"residual_fraction": [0.01904762, 0.39867110, 0.33333333, 0.01904762], "residual_decay_time": 0.05},
     ),
     # P + 0.5/0.327 x 0.5 N (P / 0.5 N)^(2/3) = 0.2 and 0.5 N: P = 0.0454465, 0.1529331 N; the sides are pressed by
-    # 0.5 N (P / 0.5 N)^(2/3) = 0.1010780, 0.2269818 N; 300 V, 150 V: 1 + 3, 1 + 3/4; 1.5 x 0.0505390 / 0.077, ..
+    # 0.5 N (P / 0.5 N)^(2/3) = 0.1010780, 0.2269818 N; pulled by a half of it at 300 V, an eighth at 150 V;
+    # 1.5 x 0.0505390 / 0.077, ..
     "edge_wrap": (
         {
             "friction_per_preload": 0.5,
             "damping_per_preload": 2.0,
             "squeeze_ratio": 1.5,
             "preload_exponent": 2 / 3,
-            "drive_gain": 3.0,
+            "pull_per_preload": 0.5,
+            "width_exponent": 0.0,
         },
         {
             "side_friction": [0.05053901, 0.05053901, 0.11349088, 0.05053901],
             "side_friction_static": [0.06169697, 0.06169697, 0.13854731, 0.06169697],
             "side_damping": [0.20215603, 0.20215603, 0.45396353, 0.20215603],
-            "side_drive_factor": [4.0, 4.0, 1.75, 1.0],
+            "side_pull": [0.05053901, 0.05053901, 0.02837273, 0.0],
             "damping_factor": [0.98452617, 0.98452617, 2.21086203, 0.98452617],
         },
     ),
@@ -177,6 +179,19 @@ def test_a_larger_slip_overshoots_farther():
     assert laws.slip_overshoot(1.0, 1.0, 5.0) == 0.0
 
 
+def test_walls_carry_less_of_a_wide_pad_and_pull_as_the_film_is_charged(fill):
+    """4 mm: c = 0.25 at q = 1: P + 0.25/0.327 x 0.5 N (P / 0.5 N)^(2/3) = 0.5 N: P = 0.2556040 N; half the
+    permittivity at half of 300 V: (1/8)^(3/2) of the pull at m = 3."""
+    values, _ = CASES["edge_wrap"]
+    filled = fill(
+        "edge_wrap",
+        sockets=Sockets(kappa_driven=27.1),
+        **values | {"width_exponent": 1.0, "voltage_exponent": 3.0},
+    )
+    assert np.ravel(filled.side_friction)[2] == pytest.approx(0.07991748, rel=2e-6)
+    assert np.ravel(filled.side_pull)[2] == pytest.approx(0.007063774, rel=2e-6)
+
+
 def test_every_effect_has_worked_numbers():
     assert set(CASES) == set(EFFECTS)
 
@@ -308,7 +323,7 @@ def test_trapped_charge_may_be_the_same_at_any_voltage(fill):
 @pytest.mark.parametrize("exponent", [0.4, 1.0, 2.5])
 def test_side_friction_is_part_of_the_friction_that_tells_the_preload(fill, inputs, exponent):
     """What presses the strip and what the walls rub add up to the friction before the voltage, at any power."""
-    filled = fill("edge_wrap", friction_per_preload=3.0, preload_exponent=exponent)
+    filled = fill("edge_wrap", friction_per_preload=3.0, preload_exponent=exponent, width_exponent=0.0)
     foot = np.asarray(filled.side_friction)[:3] / 3.0
     preload = 0.5 * (foot / 0.5) ** (1.0 / exponent)
     np.testing.assert_allclose(

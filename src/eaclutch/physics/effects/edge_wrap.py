@@ -1,11 +1,13 @@
 """Edge wrap: the preload bends the compliant film round the substrate's edges, so that it rubs on the side
 walls too. The touching width of a bent film is that of a line or of a rounded foot under load, which grows as the
 preload to a power between 1/2 (Hertz's line) and 1; a film that first has to be bent as far as the walls touches
-later, with a power above 1. So the normal force there is c P_ref (P / P_ref)^n. While the voltage is on, the electrodes
-that face the walls pull as well: by a Maxwell stress that grows as V^2 across a given gap, and faster where the pull
-closes the gap of a rough contact, as it does at the pad. To this force the friction is
-proportional that the walls add beside base and film (static and kinetic, in the film's ratio), without the voltage a
-viscous damping of the sliding, and a damping of the film's lift, for the air has to get round the edges, too. Side
+later, with a power above 1. So the normal force there is c P_ref (P / P_ref)^n. Where the pressure says how far the
+film wraps, a wide strip's walls carry less of it, where the load on an edge does, as much: (w_ref / w)^q. While the
+voltage is on, the electrodes that face the walls pull as well, by a Maxwell stress that grows as kappa V^2 across a
+given gap, and faster where the pull closes the gap of a rough contact, as it does at the pad (there as its square,
+nearly); preloads are small beside such pulls, so its size is its own. To these forces the friction is proportional
+that the walls add beside base and film (static and kinetic, in the film's ratio), and without the voltage a viscous
+damping of the sliding and a damping of the film's lift, for the air has to get round the edges, too. Side
 friction is part of the friction before the voltage, from which the preload is known:
 F_before = mu P + c_f P_ref (P / P_ref)^n + weights, with mu = mu_b + mu_d, so the preload solves
 P + (c_f / mu) P_ref (P / P_ref)^n = P_0, what the base model makes of it."""
@@ -21,27 +23,32 @@ from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
 REFERENCE_PRELOAD = 0.5  # N
+REFERENCE_WIDTH = 2e-3  # m, the rig's most usual strip
 REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
 STEPS = 8  # of Newton in log P; the equation is convex there and its slope lies between 1 and n
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """Side friction c_f P_ref (P / P_ref)^n (kinetic; static in the film's ratio), (1 + g (V / V_0)^m) times that
-    with the voltage on, side damping c_d P_ref (P / P_ref)^n, and damping_factor + d N / P_ref with the walls' normal
-    force N = c_f P_ref (P / P_ref)^n / mu_d."""
+    """Side friction c_f P_ref (P / P_ref)^n with c_f = c (w_ref / w)^q (kinetic; static in the film's ratio), and
+    g (kappa V^2 / (kappa_s V_0^2))^(m / 2) P_ref (P / P_ref)^n more with the voltage on; side damping
+    c_d P_ref (P / P_ref)^n, and damping_factor + d N / P_ref with the walls' normal force N = that friction without
+    the voltage / mu_d."""
     p = inputs.parameters
-    coefficient = np.asarray(values["friction_per_preload"])
+    narrower = REFERENCE_WIDTH / inputs.conditions.width
+    coefficient = values["friction_per_preload"] * narrower ** np.asarray(values["width_exponent"])
     sliding = p["base_kinetic"] + p["film_kinetic"]
     exponent = np.asarray(values["preload_exponent"])
     preload = _pressed(inputs.preload, coefficient / sliding, exponent)
     foot = REFERENCE_PRELOAD * (preload / REFERENCE_PRELOAD) ** exponent
     kinetic = coefficient * foot
-    relative = inputs.conditions.voltage / REFERENCE_VOLTAGE
-    pull = np.asarray(values["drive_gain"]) * relative ** np.asarray(values["voltage_exponent"])
+    kappa = np.asarray(sockets.kappa_driven)
+    stress = np.where(np.isnan(kappa), 1.0, kappa / p["kappa_static"])
+    stress = stress * (inputs.conditions.voltage / REFERENCE_VOLTAGE) ** 2
+    pull = values["pull_per_preload"] * foot * stress ** (0.5 * np.asarray(values["voltage_exponent"]))
     return sockets.with_(
         side_friction=sockets.side_friction + kinetic,
         side_friction_static=sockets.side_friction_static + kinetic * p["film_static"] / p["film_kinetic"],
-        side_drive_factor=sockets.side_drive_factor * (1.0 + pull),
+        side_pull=sockets.side_pull + pull,
         side_damping=sockets.side_damping + values["damping_per_preload"] * foot,
         damping_factor=sockets.damping_factor
         + values["squeeze_ratio"] * kinetic / (p["film_kinetic"] * REFERENCE_PRELOAD),
@@ -74,7 +81,7 @@ EFFECT = Effect(
             0.0,
             Prior("halfnormal", 0.2),
             neutral=0.0,
-            description="kinetic side-wall friction over preload, at 0.5 N without voltage",
+            description="kinetic side-wall friction over preload, at 0.5 N and 2 mm without voltage",
         ),
         Parameter(
             "damping_per_preload",
@@ -102,21 +109,29 @@ EFFECT = Effect(
             description="the side wall's force grows as the preload to this power",
         ),
         Parameter(
-            "drive_gain",
+            "width_exponent",
             "1",
-            (0.0, 20.0),
+            (-0.5, 2.0),
+            0.5,
+            Prior("normal", 0.5, 0.5),
+            description="and falls as the strip's width to this one",
+        ),
+        Parameter(
+            "pull_per_preload",
+            "1",
+            (0.0, 5.0),
             0.0,
-            Prior("halfnormal", 2.0),
+            Prior("halfnormal", 0.3),
             neutral=0.0,
-            description="further side-wall force at 300 V over that of the preload",
+            description="further kinetic side-wall friction at 300 V over preload, at 0.5 N",
         ),
         Parameter(
             "voltage_exponent",
             "1",
             (1.0, 6.0),
             2.0,
-            Prior("normal", 2.5, 0.7),
-            description="that force grows as the voltage to this power",
+            Prior("normal", 3.0, 0.8),
+            description="that grows as the voltage to this power, and as the permittivity to half of it",
         ),
     ),
     reference=(
@@ -131,7 +146,8 @@ EFFECT = Effect(
         "damping_per_preload": rng.uniform(0.5, 6.0),
         "squeeze_ratio": rng.uniform(0.0, 1.5),
         "preload_exponent": rng.uniform(0.6, 1.6),
-        "drive_gain": rng.uniform(0.0, 3.0),
+        "width_exponent": rng.uniform(0.0, 1.0),
+        "pull_per_preload": rng.uniform(0.0, 0.5),
         "voltage_exponent": rng.uniform(2.0, 3.5),
     },
 )

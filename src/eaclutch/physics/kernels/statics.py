@@ -139,5 +139,5 @@ def frictions(p, normal_base, contact_force, static_factor, speed):
     factor = weakened(p, speed)
     static = static_factor * (p.base_static * normal_base + p.film_static * contact_force)
     kinetic = factor * (p.base_kinetic * normal_base + p.film_kinetic * contact_force)
-    side = p.side_drive_factor
-    return static + side * p.side_friction_static, kinetic + side * p.side_friction
+    static += p.side_friction_static + p.side_pull * p.film_static / p.film_kinetic
+    return static, kinetic + p.side_friction + p.side_pull
