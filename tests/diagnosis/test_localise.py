@@ -32,6 +32,8 @@ def campaign():
         channel=np.repeat(np.array(names, dtype=object), RUNS), condition=np.array(labels * 2, dtype=object),
         session=np.tile(np.where(late, "B", "A"), 2).astype(object),
         average=sparse.identity(n, format="csr"), preload=np.full(RUNS, 0.1),
+        block=np.full(n, "release", dtype=object), bench=SimpleNamespace(width=np.zeros(0)),
+        noise_sd=np.full(n, 0.02), offset_sd=np.zeros(n),
     )  # fmt: skip
     cells = Cells(
         data.channel, data.condition, np.full(n, 1e-10), sparse.identity(n, format="csr"),
@@ -171,3 +173,27 @@ def test_averaged_settings_are_the_settings(campaign):
     assert len(np.unique(settings_of(few)["voltage_v"])) == 4
     low = next(s for s in splits_of(few) if s.factor == "voltage_v" and s.level == "<=233")
     assert low.member.tolist() == [1.0] * 4 + [0.0] * 4
+
+
+def test_what_is_seen_on_the_bench_alone_has_its_place_there(campaign):
+    """Capacitance readings of two strips, a tenth too small: none of the runs' observables, no factor of theirs."""
+    data, cells, _ = campaign
+    rng = np.random.default_rng(1)
+    n, readings = data.run_entries, 8
+    with_bench = SimpleNamespace(
+        **vars(data)
+        | {
+            "block": np.append(data.block, [*["capacitance"] * readings, "permittivity"]),
+            "bench": SimpleNamespace(width=np.append(np.repeat([2e-3, 4e-3], readings // 2), 0.0)),
+            "noise_sd": np.full(n + readings + 1, 0.02),
+            "offset_sd": np.zeros(n + readings + 1),
+        }
+    )
+    errors = rng.normal(0.0, 0.02, n + readings + 1)
+    explained = np.zeros(len(errors))
+    explained[n : n + readings] = -0.1
+    simulated = rng.normal(0.0, 0.02, (400, len(errors)))
+    for known in (None, explained):
+        (row,) = localise(with_bench, cells, errors + explained, simulated, rng, known).rows
+        assert (row["observable"], row["phase"], row["factor"]) == ("capacitance_pf", "capacitance", "all")
+        assert row["direction"] == "-" and row["share"] > 0.9 and row["p_value"] < 0.05

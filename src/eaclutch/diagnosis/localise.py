@@ -4,7 +4,7 @@ All p-values come from campaigns simulated from the fit whose errors are looked 
 once. The table that is tested is larger than the one that is shown: every observable with every two-way split of
 every factor, besides "all". Where an effect is named, its place is the split that says most of what the effect does;
 where none fits, of how the nameless smooth term departs from the base model. Repeats and sessions scatter around
-that: a place that noise alone would have shown has a large p-value.
+that: a place that noise alone would have shown has a large p-value. The bench's capacitance is one place more.
 """
 
 from __future__ import annotations
@@ -18,7 +18,8 @@ import numpy as np
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.gate import max_statistic
-from eaclutch.diagnosis.splits import Split, confounded, settings_of, splits_of
+from eaclutch.diagnosis.placing import Entries
+from eaclutch.diagnosis.splits import Split, settings_of, splits_of
 from eaclutch.records import FloatArray
 
 SHOWN = 12  # rows of the table
@@ -53,13 +54,16 @@ def localise(
     (campaigns, entries): the same of campaigns simulated from it. explained (entries,): what of these errors the
     verdict accounts for, if there is a gap. Returns rows sorted by share.
     """
-    n = data.run_entries
-    splits, settings = splits_of(data), settings_of(data)
-    names = [channel.name for channel in data.channels]
-    own = np.array([data.channel[:n] == name for name in names])
-    ratio, null = _excess(data, cells, errors), _excess(data, cells, simulated)
-    tests: list[tuple[str, Split]] = [(name, split) for name in names for split in splits]
-    masks = np.array([own[names.index(name)] * split.member for name, split in tests])
+    entries, settings = Entries.of(data), settings_of(data)
+    bench = len(entries.index) - entries.runs
+    names = list(dict.fromkeys([*(channel.name for channel in data.channels), *entries.observable]))
+    ratio, null = (entries.excess(data, cells, e) for e in (errors, simulated))
+    splits = [
+        (split, np.append(split.member, np.full(bench, float(split.factor == "all"))))
+        for split in splits_of(data)
+    ]
+    tests = [(name, split) for name in names for split, _ in splits]
+    masks = np.array([(entries.observable == name) * member for name in names for _, member in splits])
     use = masks.sum(axis=1) > 0
     tests, masks = [t for t, keep in zip(tests, use, strict=True) if keep], masks[use]
     size = masks.sum(axis=1)
@@ -70,8 +74,8 @@ def localise(
     excess, least, signature = ratio - null.mean(axis=0), 0.0, None
     if explained is not None:
         level, least = 1.0, LEAST
-        excess = _excess(data, cells, explained)
-        signature = explained[:n]
+        excess = entries.excess(data, cells, explained)
+        signature = explained[entries.index]
     rows = []
     for name in names:
         found = (
@@ -81,23 +85,10 @@ def localise(
         )
         if found is not None:
             test, index = found
-            rows.append(
-                _row(name, test, masks[index], excess, errors[:n], p_values[index], data, settings, rng)
-            )
+            at, p_value = errors[entries.index], float(p_values[index])
+            rows.append(entries.row(data, name, test, settings, masks[index], excess, at, p_value, rng))
     rows = sorted((row for row in rows if row["share"] >= least), key=lambda row: -row["share"])
     return Where(rows[:SHOWN], observable_p)
-
-
-def _excess(data: DataVector, cells: Cells, errors: FloatArray) -> FloatArray:
-    """Squared entry errors (..., entries) over the variance of the entry's mean, weighted like the contract's
-    cells."""
-    n = data.run_entries
-    gather = cells.gather.tocsc()
-    cell = np.array([gather.indices[gather.indptr[i]] for i in range(n)])
-    weight = np.asarray(gather.max(axis=0).todense()).ravel()
-    variance = cells.variance[cell] / np.maximum(weight, 1e-12)
-    found: FloatArray = weight * cells.native(errors[..., :n]) ** 2 / variance
-    return found
 
 
 def _place(
@@ -151,52 +142,3 @@ def _where_it_acts(
     sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
     best = max(sides, key=lambda i: float(masks[i] @ signature**2))
     return tests[best][1], best
-
-
-def _row(
-    name: str,
-    split: Split,
-    mask: FloatArray,
-    excess: FloatArray,
-    errors: FloatArray,
-    p_value: float,
-    data: DataVector,
-    settings: Mapping[str, FloatArray],
-    rng: np.random.Generator,
-) -> dict[str, Any]:
-    channel = next(c for c in data.channels if c.name == name)
-    share, interval = _share(mask, excess, data, rng)
-    mean = float(mask @ errors) / max(float(mask.sum()), 1e-12)
-    return {
-        "observable": name,
-        "factor": split.factor,
-        "level": split.level,
-        "phase": channel.phase,
-        "share": share,
-        "interval": interval,
-        "direction": "+" if mean >= 0 else "-",
-        "p_value": float(p_value),
-        "confounded_with": confounded(split, settings),
-    }
-
-
-def _share(
-    mask: FloatArray, excess: FloatArray, data: DataVector, rng: np.random.Generator
-) -> tuple[float, list[float]]:
-    """Share of the closable gap in ``mask`` and its 90 % bootstrap interval over conditions."""
-    conditions = np.array(data.condition[: len(mask)], dtype=str)
-    _, index = np.unique(conditions, return_inverse=True)
-    inside = np.bincount(index, weights=mask * excess)
-    channels = np.array(data.channel[: len(mask)], dtype=str)
-    # an observable below its floor has nothing to close, and takes nothing off the others
-    totals = np.array([np.bincount(index, weights=(channels == c) * excess) for c in np.unique(channels)])
-    counts = rng.multinomial(len(inside), np.full(len(inside), 1 / len(inside)), size=400)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        draws = np.clip((counts @ inside) / np.maximum(totals @ counts.T, 0.0).sum(axis=0), 0.0, 1.0)
-    draws = draws[np.isfinite(draws)]
-    total = float(np.maximum(totals.sum(axis=1), 0.0).sum())
-    share = float(np.clip(inside.sum() / total, 0.0, 1.0)) if total > 0 else 0.0
-    if len(draws) == 0:
-        return share, [0.0, 1.0]
-    low, high = np.quantile(draws, [0.05, 0.95])
-    return share, [min(float(low), share), max(float(high), share)]
