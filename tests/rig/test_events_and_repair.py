@@ -14,6 +14,7 @@ from eaclutch.rig.columns_in_step import lost_lines
 from eaclutch.rig.estimate import Unusable
 from eaclutch.rig.events import find_events
 from eaclutch.rig.extract import extract
+from eaclutch.rig.hidden_wave import habit
 from eaclutch.rig.repair import make_whole
 from rig.made_run import STEP, Made, make_run, release_time, without_lines
 
@@ -275,3 +276,42 @@ def test_a_clock_that_stands_or_jumps_measures_nothing(time):
     columns["force"] = without_lines(columns["force"], (500, 100))
     found = extract(replace(recording, time=time, **columns), Bench("test"))
     assert "time_broken" in found["flags"] and not found["usable"]
+
+
+@pytest.mark.parametrize("finishes", [False, True])
+def test_what_other_runs_say_of_the_drive_counts_where_a_force_has_hardly_time_to_tell(finishes):
+    """Flag and force alike, 0.2 ms before the grounded half wave would end: other runs know where off was."""
+    recording, _, off = made(delay=0.3e-3)
+    events = find_events(grounded_since(recording, on_of(recording), 1000.0, 0.3e-3), finishes=finishes)
+    assert events.left_open and events.finishes is None and events.off_sd < 0.5 * STEP
+    assert abs(events.off - off - (0.2e-3 if finishes else 0.0)) <= 1.1 * STEP
+    assert ("voltage_outlives_flag" in events.flags) is finishes and "voltage_off_unsure" not in events.flags
+
+
+def on_of(recording):
+    """When the flag rises [s]."""
+    return float(recording.time[recording.flag > 0.5][0]) - 0.5 * STEP
+
+
+def test_the_sensed_electrode_shows_whether_the_drive_finishes_its_half_waves():
+    """One that stops within its wave, one that outlives the flag, and one whose wave ends with it and says neither."""
+    whole, on, off = made(frequency=100.0)
+    cut = replace(whole, flag=whole.flag * (whole.time < off - 2e-3))
+    stopped = replace(cut, voltage=np.where(whole.time < off - 2e-3, sensed_last(whole, on), 2.0))
+    outlived = replace(cut, voltage=sensed_last(whole, on))
+    plain = replace(whole, voltage=sensed_last(whole, on))
+    assert [find_events(run).finishes for run in (stopped, outlived, plain)] == [False, True, None]
+
+
+def sensed_last(recording, on):
+    """100 Hz on the sensed electrode, which carries the last of the half waves, (samples,)."""
+    waves = np.floor((recording.time - on) / 5e-3 + 1e-6)
+    last = waves[recording.flag > 0.5].max()
+    driven = recording.flag > 0.5
+    return np.where(driven & ((last - waves) % 2 == 0), 300.0, 2.0)
+
+
+def test_a_drive_has_one_habit():
+    assert habit([None, True, True, True, None]) is True and habit([False] * 3) is False
+    assert habit([True, None]) is None  # too few
+    assert habit([True, False, True, False]) is None and habit([True] * 9 + [False]) is True

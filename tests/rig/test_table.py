@@ -63,6 +63,29 @@ def test_batches_join_to_the_contracts_table(folder, tmp_path):
     assert conditions.friction_before[0] == pytest.approx(runs["friction_before_n"][0])
 
 
+def test_runs_of_a_batch_say_how_the_drive_of_another_ends(tmp_path):
+    """Three whose sensed wave is cut short with the flag, and one whose flag falls in the other electrode's wave."""
+    paths = []
+    for seed, last in enumerate(("sensed", "sensed", "sensed", "grounded")):
+        made = Made(after=0.5, travel=2e-4, friction=0.05, delay=0.3e-3)
+        recording, on, off = make_run(made, np.random.default_rng(seed))
+        driven = recording.flag > 0.5
+        waves = np.floor((recording.time - on + 0.3e-3) / 0.5e-3).astype(int)
+        high = driven & ((waves[driven][-1] - waves) % 2 == (last == "grounded"))
+        recording = replace(
+            recording,
+            voltage=np.where(high, 300.0, 2.0),
+            settings=settings_of(made, datetime(2024, 11, 3, 15, seed)),
+        )
+        paths.append(tmp_path / f"{recording.settings.run}.npy")
+        write_log(recording, paths[-1])
+    alone, (*_, together) = extract_batch(paths[3:], BENCH).runs[0], extract_batch(paths, BENCH).runs
+    assert "voltage_off_unsure" in alone["flags"] and "voltage_off_unsure" not in together["flags"]
+    assert together["drive_duration_s"] == pytest.approx(off - on, abs=8e-5)
+    assert alone["drive_duration_s"] - together["drive_duration_s"] == pytest.approx(1e-4, abs=4e-5)
+    assert together["release_time_50_s_sd"] < 0.6 * alone["release_time_50_s_sd"]
+
+
 def test_a_run_in_two_formats_and_no_run_are_errors(folder, tmp_path):
     path = next((folder / "tensile").iterdir())
     twin = path.with_suffix(".csv")

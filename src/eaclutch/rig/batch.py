@@ -12,9 +12,12 @@ import pandas as pd
 
 from eaclutch.records import Bench, FloatArray
 from eaclutch.rig import published
-from eaclutch.rig.extract import extract
+from eaclutch.rig.estimate import Unusable
+from eaclutch.rig.extract import extract_view
+from eaclutch.rig.hidden_wave import habit
 from eaclutch.rig.log_names import run_of
 from eaclutch.rig.logs import read_log
+from eaclutch.rig.run_view import RunView
 from eaclutch.rig.table import PRELOAD_EDGES, empty_row, runs_table
 from eaclutch.rig.traces import trace
 
@@ -33,9 +36,12 @@ class Batch:
 def extract_batch(paths: Iterable[Path], bench: Bench) -> Batch:
     """Extract the logs at ``paths``; a run that the bench excludes is not even read.
 
-    Raises InputError naming file and row for a log that cannot be read.
+    Whether the drive finishes its half waves is its habit: where most of the batch's runs show it, it counts for those
+    that leave it open. Raises InputError naming file and row for a log that cannot be read.
     """
     batch = Batch([], [], {})
+    shown: list[bool | None] = []
+    left_open: dict[int, Path] = {}
     for path in paths:
         run = run_of(path)
         reason = bench.exclude.get(run)
@@ -44,10 +50,27 @@ def extract_batch(paths: Iterable[Path], bench: Bench) -> Batch:
             batch.published.append({"run": run, "kept": False, "reason": EXCLUDED})
             continue
         recording = read_log(path)
-        batch.runs.append(extract(recording, bench))
+        view, row = extract_view(recording, bench)
+        finishes, undecided = _end_of_drive(view)
+        shown.append(finishes)
+        if undecided:
+            left_open[len(batch.runs)] = path
+        batch.runs.append(row)
         batch.published.append(published.published(recording))
         batch.traces[run] = trace(recording)
+    usual = habit(shown)
+    if usual is not None:
+        for index, path in left_open.items():
+            batch.runs[index] = extract_view(read_log(path), bench, usual)[1]
     return batch
+
+
+def _end_of_drive(view: RunView) -> tuple[bool | None, bool]:
+    """Whether a run shows that its drive finishes half waves, and whether other runs would say more of its own end."""
+    try:
+        return view.events.finishes, view.events.left_open
+    except Unusable:
+        return None, False
 
 
 def join_batches(

@@ -15,6 +15,7 @@ from eaclutch.rig.hidden_wave import unseen_wave
 
 LOST = "voltage_lines_lost"  # flag of a voltage column whose edges cannot be trusted
 MAJORITY = 5  # samples whose majority is the flag: a single sample that lost a digit is no edge
+CUT = 2.0  # samples by which a wave that the drive cuts short is shorter
 SENSED_HIGH = 50.0  # V, above this the sensed electrode carries the high voltage
 
 
@@ -22,7 +23,9 @@ SENSED_HIGH = 50.0  # V, above this the sensed electrode carries the high voltag
 class Events:
     """Instants in the run's own time [s], each with its standard uncertainty; indices of the first sample after.
 
-    ``stage_stop`` is when the stage came to rest: travel / speed after the voltage came on.
+    ``stage_stop`` is when the stage came to rest: travel / speed after the voltage came on. ``finishes``: whether this
+    run shows that the drive goes on after its flag until the half wave is whole; None where it shows neither.
+    ``left_open``: whether off would stand elsewhere if other runs showed what this one does not.
     """
 
     on: float
@@ -33,6 +36,8 @@ class Events:
     off_index: int
     stage_stop: float
     flags: tuple[str, ...] = ()
+    finishes: bool | None = None
+    left_open: bool = False
 
     @property
     def drive_duration(self) -> float:
@@ -45,17 +50,18 @@ class Events:
         return max(0.0, self.off - self.stage_stop)
 
 
-def find_events(recording: Recording, *, in_step: bool = True) -> Events:
-    """Voltage on and off of one run; ``in_step``: whether its force column is known to stand in step with the voltage.
+def find_events(recording: Recording, *, in_step: bool = True, finishes: bool | None = None) -> Events:
+    """Voltage on and off of one run; ``in_step``: whether its force column is known to stand in step with the voltage;
+    ``finishes``: whether other runs say that the drive finishes its half waves (``hidden_wave.habit``).
 
     On is the flag's rise: the sensed electrode may be the grounded one for the first half period. Off is the
     later of the flag's fall and the sensed voltage's. Where the sensed electrode is the grounded one at the end, the
-    driver may still finish its half wave: the force then tells the polarity edge from the flag (``outlives``), and
-    where it cannot, off lies anywhere between (``voltage_off_unsure``). A flag that falls with a wave's end is
-    off, unless the force says that the drive had begun another one (``begins_another``). Where the voltage's column has
-    lost lines the waves are reckoned from those before (``unseen_wave``). A voltage that comes or stays by more than
-    half a period later than the flag shows a flag that lost lines: then the voltage counts (``flag_early``), to half a
-    period.
+    driver may still finish its half wave: the force then tells the polarity edge from the flag (``outlives``), where
+    it cannot, other runs do, and where they cannot, off lies anywhere between (``voltage_off_unsure``). A flag that
+    falls with a wave's end is off, unless the force says that the drive had begun another one (``begins_another``).
+    Where the voltage's column has lost lines the waves are reckoned from those before (``unseen_wave``). A voltage
+    that comes or stays by more than half a period later than the flag shows a flag that lost lines: then the voltage
+    counts (``flag_early``), to half a period.
     Raises Unusable (``no_flag``, ``flag_never_falls``, ``no_voltage``, ``time_broken``).
     """
     time = recording.time
@@ -76,6 +82,8 @@ def find_events(recording: Recording, *, in_step: bool = True) -> Events:
     dc = recording.settings.frequency <= DC_LABEL
     half_period = 0.0 if dc else 0.5 / recording.settings.frequency
     flags, unsure = [], [0.0, 0.0]
+    shown: bool | None = None
+    left_open = False
     if time[sensed[0]] - time[first] > half_period + 3 * step:
         first, unsure[0] = int(sensed[0]), half_period
         flags.append("flag_early")
@@ -87,9 +95,16 @@ def find_events(recording: Recording, *, in_step: bool = True) -> Events:
         flags.append("flag_early")
     elif time[after] - time[last] > 3 * step:
         flags.append("voltage_outlives_flag")
+        shown = True
+    whole = LOST not in recording.flags
+    if whole and shown is None and high[last] and _cut_short(high[: after + 1], half_period / step):
+        shown = False
     if after == last and half_period > 3 * step:
-        whole = LOST not in recording.flags
-        end, goes_on_unseen = unseen_wave(recording, high, last, half_period, whole=whole, in_step=in_step)
+        end, goes_on_unseen, told = unseen_wave(
+            recording, high, last, half_period, whole=whole, in_step=in_step, finishes=finishes
+        )
+        shown = told if shown is None else shown
+        left_open = shown is None
         if goes_on_unseen:
             after = int(np.searchsorted(time, end)) - 1
             flags.append("voltage_outlives_flag")
@@ -104,7 +119,23 @@ def find_events(recording: Recording, *, in_step: bool = True) -> Events:
         math.hypot(sd, wide / math.sqrt(12.0)) for sd, wide in zip((on_sd, off_sd), unsure, strict=True)
     )
     travel_time = recording.settings.travel / recording.settings.speed
-    return Events(on, on_sd, on_index, off, off_sd, off_index, on + travel_time, tuple(dict.fromkeys(flags)))
+    return Events(
+        on,
+        on_sd,
+        on_index,
+        off,
+        off_sd,
+        off_index,
+        on + travel_time,
+        tuple(dict.fromkeys(flags)),
+        shown,
+        left_open,
+    )
+
+
+def _cut_short(high: np.ndarray, half_period: float) -> bool:
+    """Whether the wave that ``high`` (samples,) ends with is clearly shorter than ``half_period`` [samples]."""
+    return _run_length(high[::-1]) < half_period - CUT
 
 
 def _run_length(high: np.ndarray) -> int:

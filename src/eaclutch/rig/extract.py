@@ -20,14 +20,17 @@ def extract(recording: Recording, bench: Bench) -> dict[str, Any]:
     return extract_view(recording, bench)[1]
 
 
-def extract_view(recording: Recording, bench: Bench) -> tuple[RunView, dict[str, Any]]:
-    """The repaired run and its row of a batch table, from a recording as logged.
+def extract_view(
+    recording: Recording, bench: Bench, finishes: bool | None = None
+) -> tuple[RunView, dict[str, Any]]:
+    """The repaired run and its row of a batch table, from a recording as logged; ``finishes``: whether other runs say
+    that the drive finishes its half waves, where they do.
 
     Keys of the row: run, settings (voltage_v, frequency_hz, width_mm, substrate), drive_duration_s, dwell_s, preload_n,
     ``<observable>`` and ``<observable>_sd`` (NaN where unusable), slip_fraction_sd_zero_known, usable, flags (joined
     by ``;``).
     """
-    run = RunView(make_whole(recording))
+    run = RunView(make_whole(recording), finishes)
     flags = list(run.whole.recording.flags)
     estimates = {}
     for name, observable in OBSERVABLES.items():

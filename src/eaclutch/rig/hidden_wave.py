@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.ndimage import uniform_filter1d
 
@@ -20,17 +22,28 @@ UNSEEN = 0.0003  # s for which a force may hold by itself, the film still closed
 SHORT = 0.00075  # s for which a film may well stay closed after its voltage
 LONG = 0.0045  # s for which none holds by itself and then lets go just as a half wave ends
 NEAR = 3.0  # samples from a polarity edge that was not seen but reckoned
+FEWEST = 2  # runs that show a drive's habit
+AGREE = 0.85  # share of them
 REACH = 2.0  # times as many half waves as were seen, beyond which their ends are not known to a sample
 
 
 def unseen_wave(
-    recording: Recording, high: np.ndarray, last: int, half_period: float, *, whole: bool, in_step: bool
-) -> tuple[float, bool | None]:
+    recording: Recording,
+    high: np.ndarray,
+    last: int,
+    half_period: float,
+    *,
+    whole: bool,
+    in_step: bool,
+    finishes: bool | None = None,
+) -> tuple[float, bool | None, bool | None]:
     """Whether the drive went on, unseen, after the flag's ``last`` sample, and until when [s]; None where that is
-    unclear.
+    unclear. The third says whether the force shows by itself that this drive finishes its half waves, or that it does
+    not; None where it shows neither.
 
     ``high``: whether the sensed electrode carries the voltage, (samples,); ``whole``: no lines of that column are lost;
-    ``in_step``: the force stands where the time says.
+    ``in_step``: the force stands where the time says; ``finishes``: what other runs say of this drive, which counts
+    where this one's force has hardly time to tell.
     """
     time, force = recording.time, recording.force
     step = sample_spacing(time)
@@ -40,21 +53,34 @@ def unseen_wave(
         # grounded when the flag falls: the half wave ends half a period after the last polarity edge
         end = float(time[sensed[-1]]) + 0.5 * step + half_period if len(sensed) else fall
         if not time[last] + 1.5 * step < end < time[last] + half_period + 1.5 * step:
-            return fall, False
+            return fall, False, None
         with_a_wave = bool(sensed[-1] > last - 2)
     else:
         holds = in_step and half_period > LONG and outlives(time, force, fall, fall + LONG)
         reckoned = _wave_end(time, high, fall, half_period)
         if reckoned is None:
-            return fall + half_period, None if holds else False
+            return fall + half_period, None if holds else False, None
         end = reckoned + (half_period if reckoned - fall < NEAR * step else 0.0)
         with_a_wave = half_period - (end - fall) < NEAR * step
         if holds and end - fall > LONG and outlives(time, force, fall, end) is False:
-            return end, None  # let go long after the flag, and before the half wave's end
+            return end, None, None  # let go long after the flag, and before the half wave's end
     if with_a_wave:
         # most drives end there, some have just begun another wave
-        return end, begins_another(time, force, fall, end) if in_step else False
-    return end, outlives(time, force, fall, end) if in_step else True
+        return end, begins_another(time, force, fall, end) if in_step else False, None
+    felt = outlives(time, force, fall, end) if in_step else None
+    if felt is not None and end - fall > SHORT:
+        return end, felt, felt if whole else None
+    if finishes is None:
+        return end, felt if in_step else True, None
+    return end, finishes, None
+
+
+def habit(shown: Sequence[bool | None]) -> bool | None:
+    """Whether a drive finishes its half waves after the flag, from what its runs show; None where too few show it or
+    they do not agree. It is one driver: most finish them, others stop with the flag."""
+    clear = [value for value in shown if value is not None]
+    share = float(np.mean(clear)) if len(clear) >= FEWEST else 0.5
+    return None if 1.0 - AGREE < share < AGREE else share > 0.5
 
 
 def _wave_end(time: FloatArray, high: np.ndarray, until: float, half_period: float) -> float | None:

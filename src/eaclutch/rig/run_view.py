@@ -39,9 +39,10 @@ class _Reason(str):
 
 @dataclass(frozen=True)
 class RunView:
-    """A repaired recording with what all observables share."""
+    """A repaired recording with what all observables share; ``finishes``: what other runs say of the drive (events)."""
 
     whole: Whole
+    finishes: bool | None = None
     done: dict[str, Any] = field(default_factory=dict, repr=False, compare=False)
 
     def once(self, name: str, work: Callable[[RunView], T]) -> T:
@@ -78,7 +79,8 @@ class RunView:
         """The voltage's events. Raises Unusable."""
         if "time_broken" in self.whole.recording.flags:
             raise Unusable("time_broken")
-        return find_events(self.whole.recording, in_step=self.whole.off_shift == 0.0)
+        in_step = self.whole.off_shift == 0.0
+        return find_events(self.whole.recording, in_step=in_step, finishes=self.finishes)
 
     @cached_property
     def force_on(self) -> float:
