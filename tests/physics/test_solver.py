@@ -79,6 +79,27 @@ def test_side_walls_hold_more_while_the_voltage_is_on(runs, bench):
     assert pulled.values[TIMES[2]][0, 0] == plain.values[TIMES[2]][0, 0]
 
 
+@pytest.mark.parametrize("power", [1.0, 2.0])
+def test_a_friction_that_falls_behind_its_load_holds_less_where_it_is_large(runs, bench, power):
+    """F / (1 + (s F)^n)^(1 / n) of the whole static friction, and a small s changes nothing."""
+    model, conditions = (
+        ClutchModel(bench, (*BASE, "falling_friction")),
+        runs(voltage=300.0, switch_off_force=0.5),
+    )
+    capacity = [
+        model.predict(
+            conditions, {"falling_friction.softening": soft, "falling_friction.power": power}
+        ).values["shear_capacity_n"][0, 0]
+        for soft in (0.0, 1e-9, 0.4)
+    ]
+    before = float(conditions.friction_before[0])
+    whole = capacity[0] + before
+    assert capacity[1] == pytest.approx(capacity[0], rel=1e-6)
+    assert capacity[2] + before == pytest.approx(
+        whole / (1.0 + (0.4 * whole) ** power) ** (1.0 / power), rel=1e-9
+    )
+
+
 def test_what_the_hold_loses_is_seen_at_release_alone(model, runs):
     """A fifth of the pull gone from the start, or by the end of the hold: the film is let go from the same gap."""
     model = ClutchModel(model.bench, (*BASE, "supply_sag"))

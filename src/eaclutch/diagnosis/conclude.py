@@ -23,6 +23,7 @@ from eaclutch.diagnosis.weigh import NONE, UNKNOWN, probabilities
 from eaclutch.records import FloatArray
 
 SESSION_DRIFT = "session_drift"
+APART = 0.1  # of the shear capacity, between sessions, from which a wide spread between them may hold a drift
 CAMPAIGNS = 400  # simulated, for every p-value and the noise floor, unless the config says otherwise
 
 
@@ -139,6 +140,8 @@ def far_apart(
     shares = sessions_apart(study.data, study.base.mode.predicted)
     if SESSION_DRIFT in best or needed < widest or not shares:
         return []
+    if max(shares.values()) - min(shares.values()) < APART:
+        return []  # what lies apart is something else than the force
     apart = ", ".join(f"{name} {share:+.0%}" for name, share in shares.items())
     return [
         f"sessions lie {widest:g} times as far apart as usual (shear capacity against the model's: {apart}), "

@@ -72,6 +72,10 @@ class Sockets:
         0.0  # N kinetic, more of it while the voltage is on (static in the film's ratio)
     )
     side_damping: FloatArray | float = 0.0  # kg/s, viscous, while the tip pushes
+    softening: FloatArray | float = (
+        0.0  # 1/N; the driven friction F becomes F / (1 + (softening F)^n)^(1 / n), ..
+    )
+    softening_power: FloatArray | float = 1.0  # .. n
     static_factor_release: FloatArray | float = (
         1.0  # multiplies the static coefficients at switch-off (rest = dwell)
     )

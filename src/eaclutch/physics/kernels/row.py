@@ -23,8 +23,8 @@ ROW = np.dtype(
             "film_mass", "film_weight", "damping", "slip_length", "film_spring", "film_hardening", "film_free_gap",
             # friction
             "film_static", "film_kinetic", "base_static", "base_kinetic", "substrate_weight", "side_friction",
-            "side_friction_static", "side_pull", "side_damping", "static_factor_release",
-            "static_factor_ramp", "weakening_depth", "weakening_speed",
+            "side_friction_static", "side_pull", "side_damping", "softening", "softening_power",
+            "static_factor_release", "static_factor_ramp", "weakening_depth", "weakening_speed",
             # load train
             "stiffness", "mass", "load_cell_damping", "load_cell_dynamic", "added_mass", "series_compliance",
             "film_compliance",

@@ -140,4 +140,13 @@ def frictions(p, normal_base, contact_force, static_factor, speed):
     static = static_factor * (p.base_static * normal_base + p.film_static * contact_force)
     kinetic = factor * (p.base_kinetic * normal_base + p.film_kinetic * contact_force)
     static += p.side_friction_static + p.side_pull * p.film_static / p.film_kinetic
-    return static, kinetic + p.side_friction + p.side_pull
+    kinetic += p.side_friction + p.side_pull
+    return softened(p, static), softened(p, kinetic)
+
+
+@compiled
+def softened(p, friction):
+    """A friction [N] that falls behind its load: F / (1 + (s F)^n)^(1 / n)."""
+    if p.softening == 0.0 or friction <= 0.0:
+        return friction
+    return friction / (1.0 + (p.softening * friction) ** p.softening_power) ** (1.0 / p.softening_power)
