@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from diagnosis.simulated import BENCH, inputs
 from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.readings import Readings
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
 from eaclutch.physics.effects import BASE
 from eaclutch.physics.model import ClutchModel
 from eaclutch.rig.table import conditions_from_runs
@@ -47,3 +51,24 @@ def test_static_friction_that_scatters_by_itself_falls_deeper(read):
 
 def test_noise_on_the_largest_force_makes_no_slip_larger(read):
     np.testing.assert_allclose(read(largest_noise_excess=0.01)[1], read()[1], rtol=1e-12)
+
+
+def test_a_zero_that_leaves_a_session_no_preload_is_left_behind(monkeypatch):
+    """Runs that begin in contact read 45 mN short on the second day: no slope leads from no preload back to some."""
+    given = inputs()
+    table = given.table.copy()
+    late = (table["session"] == table["session"].max()).to_numpy()
+    whole = (table["shear_capacity_n"] + table["friction_before_n"]).to_numpy()
+    table["flags"] = "no_zero"
+    for name in ("friction_before_n", "switch_off_force_n", "final_force_n"):
+        table.loc[late, name] = table.loc[late, name] - 0.045
+    table["slip_fraction"] = table["slip_fraction"] * np.where(late, whole / (whole - 0.045), 1.0)
+    table["preload_n"] = np.nan
+    short = replace(given, table=table)
+    with monkeypatch.context() as without:
+        without.setattr("eaclutch.diagnosis.fit.HOPS", 0)
+        stuck = Study(short, load_thresholds()).base
+    found = Study(short, load_thresholds()).base
+    assert found.peak > stuck.peak + 2.0
+    last = max(name for name in found.parameters if name.startswith("force_zero_"))
+    assert found.parameters[last] < stuck.parameters[last] - 0.005

@@ -7,7 +7,7 @@ by one assumed size.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,10 +20,12 @@ from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised
 from eaclutch.diagnosis.hypothesis import HypothesisFit, form_signature, own_signature
 from eaclutch.diagnosis.mode import Mode, find_mode, mode_at
-from eaclutch.diagnosis.starts import starts
+from eaclutch.diagnosis.starts import other_zeros, starts
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.records import FloatArray
 
+HOPS = 3  # times that a fit without effects tries other zeros of the load cell
+WORTH_A_HOP = 1.0  # nats that another zero has to gain
 ROUNDS = 2  # fits, each around a gap of the size that the one before found
 LARGEST_CHANGE = np.log(3.0)  # of that size from which another round is worth it
 
@@ -44,7 +46,8 @@ def fit_hypothesis(
     An effect's own parameters are scouted over their prior first (the calibrated ones follow linearly), so
     that a fit does not depend on where it starts; on top of the fit of one of two effects, ``beyond`` which it goes,
     the other one's are. ``seeds``: parameters known from elsewhere (the fits of each of two effects alone; a first fit
-    of the same data) make a further start, and the only one of a fit from scratch. ``size``: multipliers (tolerance,
+    of the same data) make a further start, and the only one of a fit from scratch. A fit without effects tries other
+    zeros of the load cell from where it ends. ``size``: multipliers (tolerance,
     session) that it begins with, where another fit has found how large the gap is.
     """
     share = thresholds["signature_tolerance"]
@@ -60,24 +63,31 @@ def fit_hypothesis(
                 tolerance=tolerance, session=session, signature=form, signature_tolerance=share
             )
 
-        found = [
-            _finish(
-                forward,
-                data,
-                kernels,
-                thresholds,
-                find_mode(forward, data.values, covariance_at, start),
-                size,
-            )
-            for start in starts(forward, data, kernels, size, base, beyond, seeds)
-        ]
-        best = max([*found, *([best] if best else [])], key=lambda fitted: fitted.peak)
+        def fit_from(
+            start: FloatArray,
+            size: tuple[float, float] = size,
+            covariance_at: Callable[[FloatArray], FloatArray] = covariance_at,
+        ) -> HypothesisFit:
+            mode = find_mode(forward, data.values, covariance_at, start)
+            return _finish(forward, data, kernels, thresholds, mode, size)
+
+        found = [fit_from(start) for start in starts(forward, data, kernels, size, base, beyond, seeds)]
+        best = _highest([*found, *([best] if best else [])])
+        for _ in range(HOPS if base is None else 0):
+            tried = _highest([fit_from(start) for start in other_zeros(forward, best.mode.u)] + [best])
+            gained, best = tried.peak - best.peak, tried
+            if gained < WORTH_A_HOP:
+                break
         # around a gap of some size the base laws hold no better than that
         if abs(np.log(best.multipliers[0] / size[0])) < LARGEST_CHANGE:
             break
         size = best.multipliers
     assert best is not None
     return best
+
+
+def _highest(fits: Sequence[HypothesisFit]) -> HypothesisFit:
+    return max(fits, key=lambda fitted: fitted.peak)
 
 
 def plain_fit_at(

@@ -17,6 +17,7 @@ from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.hypothesis import HypothesisFit, neutral_parameters
+from eaclutch.diagnosis.readings import PREFIX
 from eaclutch.records import FloatArray
 
 SCOUTS = 64  # parameter sets of an effect tried before the fit
@@ -24,6 +25,7 @@ SCOUT_WIDTH = 1.3  # in prior sds
 NEARLY_OFF = -1.5  # prior sds: a half-normal amplitude at a sixth of its scale, for zero lies out of reach
 SPREAD = 0.7  # prior sds, of the draws that a fit from scratch looks at
 BASE_STARTS = 4  # draws that a fit from scratch starts from, besides the defaults
+OTHER_ZEROS = (-1.5, -0.75, 0.75, 1.5)  # prior sds by which a session's zero is tried farther on
 STARTS = 1  # scouted ones of which so many are fitted
 
 
@@ -65,6 +67,14 @@ def _prior_starts(forward: Forward, data: DataVector, covariance: FloatArray) ->
     gap = data.values - forward.representative.predict(forward.priors.from_normal(u))
     cost = 0.5 * np.sum(gap.T * cho_solve(factor, gap.T), axis=0) + 0.5 * np.sum(u**2, axis=1)
     return [default, *(u[i] for i in np.argsort(cost)[:BASE_STARTS])]
+
+
+def other_zeros(forward: Forward, u: FloatArray) -> list[FloatArray]:
+    """Starts (params,) beside a fit's mode ``u``, each with another zero of one session. Where a zero leaves a session
+    no preload the model stands still, and no slope leads a fit back to where it does."""
+    zeros = [i for i, name in enumerate(forward.priors.names) if name.startswith(PREFIX)]
+    unit = np.eye(len(u))
+    return [u + farther * unit[i] for i in zeros for farther in OTHER_ZEROS]
 
 
 def scout(forward: Forward, base: HypothesisFit, covariance: FloatArray) -> list[FloatArray]:
