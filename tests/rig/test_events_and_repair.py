@@ -301,6 +301,7 @@ def test_the_sensed_electrode_shows_whether_the_drive_finishes_its_half_waves():
     outlived = replace(cut, voltage=sensed_last(whole, on))
     plain = replace(whole, voltage=sensed_last(whole, on))
     assert [find_events(run).finishes for run in (stopped, outlived, plain)] == [False, True, None]
+    assert not find_events(plain).left_open  # and other runs would not say more
 
 
 def sensed_last(recording, on):

@@ -104,7 +104,8 @@ def find_events(recording: Recording, *, in_step: bool = True, finishes: bool | 
             recording, high, last, half_period, whole=whole, in_step=in_step, finishes=finishes
         )
         shown = told if shown is None else shown
-        left_open = shown is None
+        # a flag that falls with a whole wave says nothing of the drive, nor the drive of it
+        left_open = shown is None and not (whole and high[max(last - 1, 0) : last + 1].any())
         if goes_on_unseen:
             after = int(np.searchsorted(time, end)) - 1
             flags.append("voltage_outlives_flag")
