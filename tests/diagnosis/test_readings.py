@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from unittest.mock import Mock
 
 import numpy as np
 import pytest
@@ -72,3 +73,13 @@ def test_a_zero_that_leaves_a_session_no_preload_is_left_behind(monkeypatch):
     assert found.peak > stuck.peak + 2.0
     last = max(name for name in found.parameters if name.startswith("force_zero_"))
     assert found.parameters[last] < stuck.parameters[last] - 0.005
+
+
+def test_effects_are_fitted_at_the_zeros_that_the_model_by_itself_has(monkeypatch):
+    """Each other zero of each session costs a fit: once, not for every effect."""
+    study = Study(inputs(), load_thresholds())
+    assert study.base.effects == ()
+    tried = Mock(return_value=[])
+    monkeypatch.setattr("eaclutch.diagnosis.fit.other_zeros", tried)
+    assert study.fit(("trigger_latency",), afresh=(2.0, 1.0)).effects == ("trigger_latency",)
+    tried.assert_not_called()

@@ -66,7 +66,10 @@ def test_sessions_further_apart_than_usual_are_a_caveat():
 
 
 def test_sessions_as_usual_are_none(study):
-    assert far_apart(study, [study.weigh(())], {(): 1.0}) == []
+    base = study.weigh(())
+    assert far_apart(study, [base], {(): 1.0}) == []
+    # nor where something else than the force lies apart
+    assert far_apart(study, [replace(base, multipliers=(1.0, 2.0))], {(): 1.0}) == []
 
 
 def test_each_session_differs_in_its_own_way(study):

@@ -63,6 +63,7 @@ def test_the_first_screen_says_the_verdict_and_its_caveats(results_folder: Path)
         "has not converged",
         "1 of 12 runs is not used (the voltage never came on)",
         "90 % release time at drive frequency ≤ 10 Hz lies above the prediction (61 % of the closable gap)",
+        "that closes 89 % (80 % to 96 %) of what can be closed;",
     ):
         assert words in header
     assert "1.4" in html and "3.2 posterior sd" in html

@@ -138,10 +138,9 @@ def far_apart(
     widest = max(study.thresholds["multipliers"]["session"]["values"])
     needed = next(r.multipliers[1] for r in results if r.effects == (NONE if best == UNKNOWN else best))
     shares = sessions_apart(study.data, study.base.mode.predicted)
-    if SESSION_DRIFT in best or needed < widest or not shares:
+    # where the capacities do not differ, what lies apart is something else than the force
+    if SESSION_DRIFT in best or needed < widest or np.ptp(list(shares.values()) or [0.0]) < APART:
         return []
-    if max(shares.values()) - min(shares.values()) < APART:
-        return []  # what lies apart is something else than the force
     apart = ", ".join(f"{name} {share:+.0%}" for name, share in shares.items())
     return [
         f"sessions lie {widest:g} times as far apart as usual (shear capacity against the model's: {apart}), "

@@ -46,9 +46,9 @@ def fit_hypothesis(
     An effect's own parameters are scouted over their prior first (the calibrated ones follow linearly), so
     that a fit does not depend on where it starts; on top of the fit of one of two effects, ``beyond`` which it goes,
     the other one's are. ``seeds``: parameters known from elsewhere (the fits of each of two effects alone; a first fit
-    of the same data) make a further start, and the only one of a fit from scratch. A fit without effects tries other
-    zeros of the load cell from where it ends. ``size``: multipliers (tolerance,
-    session) that it begins with, where another fit has found how large the gap is.
+    of the same data) make a further start, and the only one of a fit from scratch. ``size``: multipliers (tolerance,
+    session) that it begins with, where another fit has found how large the gap is. A fit of the model by itself tries
+    other zeros of the load cell from where it ends, that of an effect does not.
     """
     share = thresholds["signature_tolerance"]
     best: HypothesisFit | None = None
@@ -73,7 +73,7 @@ def fit_hypothesis(
 
         found = [fit_from(start) for start in starts(forward, data, kernels, size, base, beyond, seeds)]
         best = _highest([*found, *([best] if best else [])])
-        for _ in range(HOPS if base is None else 0):
+        for _ in range(0 if base or forward.candidates else HOPS):
             tried = _highest([fit_from(start) for start in other_zeros(forward, best.mode.u)] + [best])
             gained, best = tried.peak - best.peak, tried
             if gained < WORTH_A_HOP:

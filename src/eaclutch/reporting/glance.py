@@ -8,7 +8,7 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from eaclutch.reporting.results import Results
-from eaclutch.reporting.sentences import gap_words, place_words
+from eaclutch.reporting.sentences import closes, gap_words, place_words
 from eaclutch.reporting.words import effect_words, number, observable_words, percent, plain
 
 LEADING = ("shear_capacity_n", "release_time_90_s")  # whose missing values the first screen counts
@@ -74,9 +74,7 @@ def how_far_line(diagnosis: Mapping[str, Any]) -> str:
     if after is None or not named or named == ["unknown"]:
         return f"{text}; {end}"
     share = closure.get("shrinkage")
-    closed = (
-        "" if share is None or share < 0 else f" (closes {percent(min(share, 1.0))} of what can be closed)"
-    )
+    closed = "" if share is None or share < 0 else f"; that {closes(closure)}"
     return f"{text}, with {effect_words(named)} {number(after)}{closed}; {end}"
 
 

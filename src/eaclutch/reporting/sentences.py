@@ -97,18 +97,23 @@ def _left(diagnosis: Mapping[str, Any]) -> bool:
 
 
 def closure_words(closure: Mapping[str, Any]) -> str:
-    """`` , which closes 89 % (80 to 96) of it on left-out conditions``; empty without numbers.
+    """`` , which closes 89 % (80 to 96) of it on left-out conditions``; empty without numbers."""
+    if closure.get("shrinkage") is None:
+        return ""
+    return f", which {closes(closure)}, on conditions that the fit did not see"
+
+
+def closes(closure: Mapping[str, Any]) -> str:
+    """``closes 89 % (80 % to 96 %) of what can be closed``, of a share that is known.
 
     Beyond the noise floor there is nothing left to close: shares above 1 count as all.
     """
-    share, interval = closure.get("shrinkage"), closure.get("interval")
-    if share is None:
-        return ""
-    text = ", which closes all" if share >= 1 else f", which closes {percent(max(share, 0.0))}"
+    share, interval = closure["shrinkage"], closure.get("interval")
+    text = "closes all" if share >= 1 else f"closes {percent(max(share, 0.0))}"
     if interval and None not in interval:
         low, high = (percent(min(max(end, 0.0), 1.0)) for end in interval)
         text += f" ({low} to {high})"
-    return text + " of what can be closed, on conditions that the fit did not see"
+    return text + " of what can be closed"
 
 
 def caveats(results: Results) -> list[str]:
