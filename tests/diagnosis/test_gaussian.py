@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from eaclutch.diagnosis.gaussian import Linearised, given, leave_out, log_normal, posterior_mean
+from eaclutch.diagnosis.gaussian import Linearised, given, leave_out, log_normal, posterior_mean, posterior_sd
 
 
 @pytest.fixture
@@ -64,3 +64,8 @@ def test_posterior_mean_is_that_of_the_least_squares_with_prior(fit):
         fit.jacobian.T @ weight @ fit.jacobian + np.eye(3), fit.jacobian.T @ weight @ fit.w
     )
     np.testing.assert_allclose(posterior_mean(fit), wanted, atol=1e-9)
+
+
+def test_posterior_sd_is_that_of_the_least_squares_with_prior(fit):
+    hessian = fit.jacobian.T @ np.linalg.solve(fit.covariance, fit.jacobian) + np.eye(3)
+    np.testing.assert_allclose(posterior_sd(fit), np.sqrt(np.diag(np.linalg.inv(hessian))), atol=1e-9)

@@ -11,7 +11,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy.linalg import cho_factor
 
 from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.data import DataVector
@@ -100,9 +99,8 @@ def plain_fit_at(
     converged: bool,
 ) -> HypothesisFit:
     """The fit of a hypothesis without candidates whose mode ``u`` (params,) and ``size`` are known: as it was found."""
-    factor = cho_factor(kernels.total(tolerance=size[0], session=size[1]), lower=True)
     predicted = forward.predict(forward.priors.from_normal(u))[0]
-    mode = mode_at(forward, u, factor, predicted, None, converged)
+    mode = mode_at(forward, u, predicted, None, converged)
     return _finish(forward, data, kernels, thresholds, mode, size)
 
 

@@ -15,7 +15,7 @@ from scipy.special import gammaln, logsumexp
 
 from eaclutch.diagnosis.evidence import unrealised
 from eaclutch.diagnosis.forward import Forward
-from eaclutch.diagnosis.gaussian import log_normal
+from eaclutch.diagnosis.gaussian import log_normal, posterior_sd
 from eaclutch.diagnosis.hypothesis import HypothesisFit
 from eaclutch.diagnosis.study import Study
 from eaclutch.inference.moves import DEGREES_OF_FREEDOM, Target
@@ -88,11 +88,11 @@ def compared(
     u = problem.priors.to_normal(sampled.flat)
     evidence, sd, draws = importance_evidence(problem, u, rng)
     lost = unrealised(study.forward(fitted.effects), study.data, mode, linearised)
-    laplace = np.sqrt(np.diag(mode.covariance))
+    laplace, spread = posterior_sd(linearised), fitted.sd
     rows = {
         name: {
             "mean": float(sampled.flat[:, i].mean()), "sd": float(sampled.flat[:, i].std()),
-            "laplace_mean": float(mode.theta[i]), "laplace_sd": float(mode.sd[i]),
+            "laplace_mean": float(mode.theta[i]), "laplace_sd": float(spread[i]),
             "shift_sd": float((u[:, i].mean() - mode.u[i]) / laplace[i]),
             "sd_ratio": float(u[:, i].std() / laplace[i]),
         }

@@ -35,6 +35,12 @@ def posterior_mean(fit: Linearised) -> FloatArray:
     return mean
 
 
+def posterior_sd(fit: Linearised) -> FloatArray:
+    """How well all the data know the parameters (params,), in prior sds."""
+    explained = np.sum(fit.jacobian * np.linalg.solve(fit.marginal(), fit.jacobian), axis=0)
+    return np.sqrt(np.maximum(1.0 - explained, 0.0))
+
+
 def given(fit: Linearised, known: Mapping[int, float]) -> Linearised:
     """The fit with some parameters held: {index: value in prior coordinates}."""
     if not known:

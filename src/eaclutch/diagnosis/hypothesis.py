@@ -8,10 +8,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from eaclutch.diagnosis.forward import Forward
-from eaclutch.diagnosis.gaussian import Linearised
+from eaclutch.diagnosis.gaussian import Linearised, posterior_sd
 from eaclutch.diagnosis.mode import Mode
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.records import FloatArray
+
+FAR_TAIL = 4.0  # prior sds
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,14 @@ class HypothesisFit:
     @property
     def parameters(self) -> dict[str, float]:
         return dict(zip(self.mode.names, self.mode.theta.tolist(), strict=True))
+
+    @property
+    def sd(self) -> FloatArray:
+        """Posterior sd of the parameters (params,), natural units, at the most probable multipliers."""
+        # in the far tail of a bounded prior the slope is lost to the bound
+        slope = self.mode.priors.slope(np.clip(self.mode.u, -FAR_TAIL, FAR_TAIL))
+        found: FloatArray = np.abs(slope) * posterior_sd(self.linearised)
+        return found
 
 
 def own_signature(forward: Forward, theta: FloatArray) -> FloatArray:

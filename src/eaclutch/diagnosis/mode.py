@@ -31,17 +31,14 @@ LITTLE = 1.0  # nats of predicted gain below which one that had to end has conve
 class Mode:
     """A mode in standard normal prior coordinates ``u`` (params,), with the Jacobian of the data vector there.
 
-    theta, sd (params,): natural units; predicted (entries,); jacobian (entries, params), d prediction / d u;
-    covariance (params, params) of u; converged.
+    theta (params,): natural units; predicted (entries,); jacobian (entries, params), d prediction / d u; converged.
     """
 
     priors: Priors
     u: FloatArray
     theta: FloatArray
-    sd: FloatArray
     predicted: FloatArray
     jacobian: FloatArray
-    covariance: FloatArray
     converged: bool
 
     @property
@@ -88,27 +85,16 @@ def find_mode(
             continue
         u, predicted, jacobian = trials[best], found[best], None
         converged = gain < LITTLE
-    return mode_at(forward, u, factor, predicted, jacobian, converged)
+    return mode_at(forward, u, predicted, jacobian, converged)
 
 
 def mode_at(
-    forward: Forward,
-    u: FloatArray,
-    factor: tuple,
-    predicted: FloatArray,
-    jacobian: FloatArray | None,
-    converged: bool,
+    forward: Forward, u: FloatArray, predicted: FloatArray, jacobian: FloatArray | None, converged: bool
 ) -> Mode:
-    """The mode that stands at ``u`` (params,): ``factor`` (cho_factor) of the covariance, ``predicted`` (entries,),
-    ``jacobian`` where it is known."""
-    priors = forward.priors
+    """The mode that stands at ``u`` (params,): ``predicted`` (entries,), ``jacobian`` where it is known."""
     if jacobian is None:
         jacobian = columns(forward, u)
-    posterior = np.linalg.inv(jacobian.T @ cho_solve(factor, jacobian) + np.eye(len(u)))
-    theta = priors.from_normal(u)
-    # in the far tail of a bounded prior the slope is lost to the bound
-    sd = np.abs(priors.slope(np.clip(u, -4.0, 4.0))) * np.sqrt(np.diag(posterior))
-    return Mode(priors, u, theta, sd, predicted, jacobian, posterior, converged)
+    return Mode(forward.priors, u, forward.priors.from_normal(u), predicted, jacobian, converged)
 
 
 def _steps(hessian: FloatArray, gradient: FloatArray) -> FloatArray:

@@ -161,9 +161,9 @@ def summarise(
     adequate, blocks = adequacy(usual, left_usual, np.where(data.condition != "", data.block, ""), null)
     errors_left_out = left_out_errors(forward, data, fitted, left, readings)
     own, calibrated = {}, {}
-    mode = fitted.mode
+    mode, spread = fitted.mode, fitted.sd
     for i, parameter in enumerate(forward.parameters):
-        entry = {"mean": float(mode.theta[i]), "sd": float(mode.sd[i]), "unit": parameter.unit}
+        entry = {"mean": float(mode.theta[i]), "sd": float(spread[i]), "unit": parameter.unit}
         if forward.own(parameter.name):
             own[parameter.name if len(fitted.effects) > 1 else parameter.name.split(".", 1)[1]] = entry
         else:  # of an effect that the campaign's own model has, too
