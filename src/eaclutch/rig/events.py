@@ -100,17 +100,17 @@ def find_events(recording: Recording, *, in_step: bool = True, finishes: bool | 
     if whole and shown is None and high[last] and _cut_short(high[: after + 1], half_period / step):
         shown = False
     if after == last and half_period > 3 * step:
-        end, goes_on_unseen, told = unseen_wave(
+        unseen = unseen_wave(
             recording, high, last, half_period, whole=whole, in_step=in_step, finishes=finishes
         )
-        shown = told if shown is None else shown
+        shown = unseen.shows if shown is None else shown
         # a flag that falls with a whole wave says nothing of the drive, nor the drive of it
         left_open = shown is None and not (whole and high[max(last - 1, 0) : last + 1].any())
-        if goes_on_unseen:
-            after = int(np.searchsorted(time, end)) - 1
+        if unseen.driven:
+            after = int(np.searchsorted(time, unseen.end)) - 1
             flags.append("voltage_outlives_flag")
-        elif goes_on_unseen is None:
-            unsure[1] = end - 0.5 * float(time[last] + time[last + 1])
+        elif unseen.driven is None:
+            unsure[1] = unseen.end - 0.5 * float(time[last] + time[last + 1])
             flags.append("voltage_off_unsure")
     on, on_sd, on_index = _between(time, first - 1)
     off, off_sd, off_index = _between(time, min(after, len(time) - 2))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.ndimage import uniform_filter1d
@@ -27,6 +28,17 @@ AGREE = 0.85  # share of them
 REACH = 2.0  # times as many half waves as were seen, beyond which their ends are not known to a sample
 
 
+@dataclass(frozen=True)
+class Unseen:
+    """Whether the drive went on, unseen, after the flag's last sample (``driven``), and until when (``end``) [s]; None
+    where that is unclear. ``shows``: whether the force shows by itself that this drive finishes its half waves, or that
+    it does not; None where it shows neither."""
+
+    end: float
+    driven: bool | None
+    shows: bool | None = None
+
+
 def unseen_wave(
     recording: Recording,
     high: np.ndarray,
@@ -36,10 +48,8 @@ def unseen_wave(
     whole: bool,
     in_step: bool,
     finishes: bool | None = None,
-) -> tuple[float, bool | None, bool | None]:
-    """Whether the drive went on, unseen, after the flag's ``last`` sample, and until when [s]; None where that is
-    unclear. The third says whether the force shows by itself that this drive finishes its half waves, or that it does
-    not; None where it shows neither.
+) -> Unseen:
+    """What the drive did, unseen, after the flag's ``last`` sample.
 
     ``high``: whether the sensed electrode carries the voltage, (samples,); ``whole``: no lines of that column are lost;
     ``in_step``: the force stands where the time says; ``finishes``: what other runs say of this drive, which counts
@@ -53,26 +63,41 @@ def unseen_wave(
         # grounded when the flag falls: the half wave ends half a period after the last polarity edge
         end = float(time[sensed[-1]]) + 0.5 * step + half_period if len(sensed) else fall
         if not time[last] + 1.5 * step < end < time[last] + half_period + 1.5 * step:
-            return fall, False, None
+            return Unseen(fall, False)
         with_a_wave = bool(sensed[-1] > last - 2)
     else:
+        # whether the force holds long after the flag, which it does by itself for no time like that
         holds = in_step and half_period > LONG and outlives(time, force, fall, fall + LONG)
         reckoned = _wave_end(time, high, fall, half_period)
         if reckoned is None:
-            return fall + half_period, None if holds else False, None
+            return Unseen(fall + half_period, None if holds else False)
         end = reckoned + (half_period if reckoned - fall < NEAR * step else 0.0)
         with_a_wave = half_period - (end - fall) < NEAR * step
         if holds and end - fall > LONG and outlives(time, force, fall, end) is False:
-            return end, None, None  # let go long after the flag, and before the half wave's end
+            return Unseen(end, None)  # let go long after the flag, and before the half wave's end
     if with_a_wave:
         # most drives end there, some have just begun another wave
-        return end, begins_another(time, force, fall, end) if in_step else False, None
+        return Unseen(end, begins_another(time, force, fall, end) if in_step else False)
+    return _by_the_force(time, force, fall, end, whole=whole, in_step=in_step, finishes=finishes)
+
+
+def _by_the_force(
+    time: FloatArray,
+    force: FloatArray,
+    fall: float,
+    end: float,
+    *,
+    whole: bool,
+    in_step: bool,
+    finishes: bool | None,
+) -> Unseen:
+    """Whether the half wave that the flag's ``fall`` [s] lies in was driven to its ``end`` [s]: ``unseen_wave``."""
     felt = outlives(time, force, fall, end) if in_step else None
     if felt is not None and end - fall > SHORT:
-        return end, felt, felt if whole else None
-    if finishes is None:
-        return end, felt if in_step else True, None
-    return end, finishes, None
+        return Unseen(end, felt, felt if whole else None)
+    if finishes is not None:
+        return Unseen(end, finishes)
+    return Unseen(end, felt if in_step else True)
 
 
 def habit(shown: Sequence[bool | None]) -> bool | None:
