@@ -13,9 +13,9 @@ import numpy as np
 from numba import njit
 from scipy.integrate import solve_ivp
 
+from eaclutch.physics.kernels.contact import contact
 from eaclutch.physics.kernels.drive import ENGAGING, RELEASING, fields_at
 from eaclutch.physics.kernels.film import net_force
-from eaclutch.physics.kernels.forces import contact
 from eaclutch.physics.kernels.ramp import driven_run
 from eaclutch.physics.kernels.statics import driven_gap, rest_before
 from eaclutch.physics.tables import Tables, tables

@@ -11,8 +11,9 @@ from scipy.special import ndtr
 
 from eaclutch.physics import laws
 from eaclutch.physics.effects import BASE
-from eaclutch.physics.kernels.forces import adhesion
+from eaclutch.physics.kernels.contact import adhesion
 from eaclutch.physics.model import ClutchModel
+from eaclutch.physics.tables import tables
 
 SIGMA, AREA = 2.8e-6, 55.5e-3 * 2e-3  # m, m2: the defaults
 PRESSURE = 8e4  # Pa
@@ -32,7 +33,7 @@ def _given(pressure: float, ratio: float) -> dict[str, float]:
 @pytest.fixture
 def pull(sticky, runs):
     """``pull(ratio, h)``: (attraction [N], its derivative [N/m]) at a gap h [m]."""
-    return lambda ratio, h: adhesion(sticky.rows(runs(), _given(PRESSURE, ratio))[0][0, 0], h)
+    return lambda ratio, h: adhesion(sticky.rows(runs(), _given(PRESSURE, ratio))[0][0, 0], h, tables())
 
 
 @pytest.mark.parametrize("h", [1e-7, 3e-6, 8e-6])
@@ -53,6 +54,7 @@ def test_a_stated_pressure_pulls_a_lightly_pressed_film_as_hard_at_any_range(sti
                 0, 0
             ],
             2 * SIGMA,
+            tables(),
         )
         for r in (1.0, ratio)
     ]

@@ -43,7 +43,7 @@ OPENED = {
     "gas_slip": {},
     "film_tension": {"stiffness": 1e6, "hardening": 2e11, "free_gap": 9e-6},
     "surface_adhesion": {},
-    "gap_tilt": {"angle": 4e-3, "levelling": 0.0},
+    "gap_tilt": {"angle": 4e-3, "levelling": 0.1, "air_share": 0.7},
     "contact_aging": {},
 }
 

@@ -10,13 +10,14 @@ from scipy.special import ndtr
 
 from eaclutch.physics import laws
 from eaclutch.physics.effects import BASE
+from eaclutch.physics.kernels import contact as faces
 from eaclutch.physics.kernels import forces
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.tables import tables
 
 SIGMA, LENGTH, WIDTH = 2.8e-6, 55.5e-3, 2e-3  # m: the defaults
 HALF = 1.5 * SIGMA
-TILT = {"gap_tilt.angle": 2.0 * HALF / WIDTH}
+TILT = {"gap_tilt.angle": 2.0 * HALF / WIDTH, "gap_tilt.levelling": 0.0}
 
 
 @pytest.fixture(scope="module")
@@ -39,9 +40,9 @@ def test_each_force_is_its_mean_over_the_gaps(tilted, runs, h):
     attraction = {"surface_adhesion.pressure": 1e4, "surface_adhesion.range_ratio": 2.0}
     row = tilted.rows(runs(), {**TILT, **attraction})[0][0, 0]
     assert row["gap_half_spread"] == pytest.approx(HALF)
-    contact, slope = forces.contact(row, h, tables())
+    contact, slope = faces.contact(row, h, tables())
     assert abs((contact - _mean(_contact, h)) / slope) < 1e-3 * h  # the gap that it puts off
-    adhesion, _ = forces.adhesion(row, h)
+    adhesion, _ = faces.adhesion(row, h, tables())
     wells = _mean(lambda t: row["adhesion_force"] * ndtr(-t / (2.0 * SIGMA)), h)
     assert adhesion == pytest.approx(wells, rel=1e-4)
     amount, kappa = 1e-12, 10.0
@@ -51,18 +52,22 @@ def test_each_force_is_its_mean_over_the_gaps(tilted, runs, h):
     assert forces.field_force(row, field, h, tables()) == pytest.approx(expected, rel=3e-4)
 
 
+@pytest.mark.parametrize("levelling", [0.0, 2.0])
 @pytest.mark.parametrize("h", [2.0 * SIGMA, 4.0 * SIGMA])
-def test_slopes_are_those_of_the_means(tilted, runs, h):
+def test_slopes_are_those_of_the_means(tilted, runs, h, levelling):
     attraction = {"surface_adhesion.pressure": 1e4, "surface_adhesion.range_ratio": 2.0}
-    row, step = tilted.rows(runs(), {**TILT, **attraction})[0][0, 0], 1e-10
+    tilt = TILT | {"gap_tilt.levelling": levelling, "gap_tilt.air_share": 0.6}
+    row, step = tilted.rows(runs(), {**tilt, **attraction})[0][0, 0], 1e-10
     field = forces.make_field(row, 1e-12, 10.0, 1.0)
     for law in (
-        lambda t: forces.contact(row, t, tables()),
-        lambda t: forces.adhesion(row, t),
+        lambda t: faces.contact(row, t, tables()),
+        lambda t: faces.adhesion(row, t, tables()),
         lambda t: forces.field_slopes(row, field, t, tables())[:2],
+        lambda t: forces.squeeze(row, t, tables()),
+        lambda t: faces.half_spread(row, t, tables()),
     ):
         difference = (law(h + step)[0] - law(h - step)[0]) / (2.0 * step)
-        assert law(h)[1] == pytest.approx(difference, rel=1e-4)
+        assert law(h)[1] == pytest.approx(difference, rel=1e-4, abs=1e-12)
     force, _, by_film, value = forces.field_slopes(row, field, h, tables())
     other = [forces.make_field(row, 1e-12, 10.0 * (1.0 + s), 1.0) for s in (-1e-6, 1e-6)]
     ends = [forces.field_force(row, f, h, tables()) for f in other]
@@ -74,7 +79,7 @@ def test_slopes_are_those_of_the_means(tilted, runs, h):
 @pytest.mark.parametrize("spread", [0.5, 1.5, 2.2])
 def test_the_film_rests_where_the_mean_contact_bears_its_load(tilted, runs, spread):
     half = spread * SIGMA
-    p = tilted.predict(runs(), {"gap_tilt.angle": 2.0 * half / WIDTH})
+    p = tilted.predict(runs(), TILT | {"gap_tilt.angle": 2.0 * half / WIDTH})
     load = p.state["preload"][0, 0] + 9.81 * 1780.0 * 24e-6 * LENGTH * WIDTH
     rest = brentq(lambda h: _mean(_contact, h, half) - load, SIGMA, 10.0 * SIGMA, xtol=1e-16)
     assert p.state["gap_before"][0, 0] == pytest.approx(rest, rel=1e-3)
@@ -85,8 +90,36 @@ def test_the_film_rests_where_the_mean_contact_bears_its_load(tilted, runs, spre
 def test_a_slight_tilt_is_a_slightly_rougher_film(tilted, bench, runs):
     """For a spread far below the roughness the mean over it is a Gaussian's, whose variances add."""
     spread = 0.1 * SIGMA
-    slight = tilted.predict(runs(), {"gap_tilt.angle": spread * np.sqrt(12.0) / WIDTH})
+    slight = tilted.predict(runs(), TILT | {"gap_tilt.angle": spread * np.sqrt(12.0) / WIDTH})
     rougher = ClutchModel(bench, BASE).predict(runs(), {"roughness_sd": float(np.hypot(SIGMA, spread))})
     for name in ("gap_before", "gap_driven"):
         found, expected = slight.state[name][0, 0], rougher.state[name][0, 0]
         assert found == pytest.approx(expected, rel=1e-4)
+
+
+def test_what_presses_on_the_strip_turns_it_level(tilted, runs):
+    """Half as tilted under the force 1 / l; pressed hard, or free to turn, it acts as a parallel one."""
+    row = tilted.rows(runs(), TILT | {"gap_tilt.levelling": 1.0})[0][0, 0]
+    there = brentq(lambda h: _contact(h) - 1.0, 0.1 * SIGMA, 9.0 * SIGMA, xtol=1e-16)
+    assert faces.half_spread(row, there, tables())[0] == pytest.approx(0.5 * HALF, rel=1e-4)
+    gaps = [
+        tilted.predict(runs(), TILT | {"gap_tilt.levelling": levelling}).state["gap_driven"][0, 0]
+        for levelling in (0.0, 0.3, 20.0)
+    ]
+    level = tilted.predict(runs()).state["gap_driven"][0, 0]
+    assert gaps[0] > gaps[1] > gaps[2] and gaps[2] == pytest.approx(level, rel=0.02)
+
+
+def test_squeezed_air_feels_the_mean_of_the_inverse_cubes(tilted, runs):
+    """To the second order in spread over gap; none of it without a share, and no more than the share of it."""
+    level = tilted.rows(runs(), {})[0][0, 0]
+    h = 6.0 * HALF
+    plain = forces.squeeze(level, h, tables())[0]
+    found = [
+        forces.squeeze(tilted.rows(runs(), TILT | {"gap_tilt.air_share": share})[0][0, 0], h, tables())[0]
+        for share in (0.0, 0.3, 1.0)
+    ]
+    assert found[0] == pytest.approx(plain, rel=1e-12)
+    assert found[2] == pytest.approx(_mean(lambda t: plain * (h / t) ** 3, h), rel=3e-3)
+    # Reynolds' equation across a wedge with both sides open: 1 + 0.6 (S / h)^2
+    assert found[1] == pytest.approx(plain * (1.0 + 0.6 * (HALF / h) ** 2), rel=1e-9)

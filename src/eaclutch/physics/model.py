@@ -208,7 +208,9 @@ class ClutchModel:
         fill.refuse_outside(self.parameters, values)
         sockets = fill.fill_sockets(self.bench, conditions, values, self.effects)
         sockets = sockets.with_(
-            gap_spread_sd=sockets.fixture_gap_spread_sd, adhesion_force=sockets.fixture_adhesion_force
+            gap_spread_sd=sockets.fixture_gap_spread_sd,
+            gap_levelling=0.0,
+            adhesion_force=sockets.fixture_adhesion_force,
         )
         table = fill.fill_rows(
             self.bench, conditions, values, sockets, "none", False, self.roughness_cut, draws

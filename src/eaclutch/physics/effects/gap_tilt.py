@@ -1,8 +1,12 @@
 """Gap tilt: over a tilted overlap the mean gap varies linearly, which spreads the gaps by a uniform distribution
 of sd angle w_s / sqrt(12) for a tilt across the width and lift / sqrt(12) for one end lifted along the strip; both
-together are taken as one uniform spread of their joint sd. Contact, attraction and force are averaged over it. A strip
-that is free to turn levels under its preload P: the tilt is 1 / (1 + l P) of what it is without. The capacitance
-fixture, where the strip is pressed on the film by itself, has an unknown share of it."""
+together are taken as one uniform spread of their joint sd. Contact, attraction and force are averaged over it.
+
+A strip that is free to turn levels under what presses it on the film, its preload and the pull: the tilt is
+1 / (1 + l F) of what it is without, F the contact force of parallel faces at that gap, and comes back as the film
+lets go. The squeezed air, whose damping goes as 1 / h^3, sees a share of the spread: all of a lift along the strip,
+for it flows across, and 0.3 of a tilt across, where it flows out at the open side (Reynolds' equation to the second
+order). The capacitance fixture, where the strip is pressed on the film by itself, has an unknown share of it."""
 
 from __future__ import annotations
 
@@ -16,12 +20,13 @@ from eaclutch.records import FloatArray
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """gap_spread_sd = sqrt((angle w_s)^2 + lift^2) / sqrt(12) / (1 + l P), in quadrature with what is there."""
+    """gap_spread_sd = sqrt((angle w_s)^2 + lift^2) / sqrt(12), in quadrature with what is there."""
     across = values["angle"] * inputs.conditions.width
     spread = np.sqrt((across**2 + np.asarray(values["lift"]) ** 2) / 12.0)
-    level = 1.0 + np.asarray(values["levelling"]) * np.maximum(inputs.preload, 0.0)
     return sockets.with_(
-        gap_spread_sd=np.hypot(sockets.gap_spread_sd, spread / level),
+        gap_spread_sd=np.hypot(sockets.gap_spread_sd, spread),
+        gap_levelling=np.where(spread > 0.0, values["levelling"], sockets.gap_levelling),
+        gap_in_air=np.where(spread > 0.0, values["air_share"], sockets.gap_in_air),
         fixture_gap_spread_sd=np.hypot(sockets.fixture_gap_spread_sd, values["fixture_share"] * spread),
     )
 
@@ -56,21 +61,30 @@ EFFECT = Effect(
             "1/N",
             (0.0, 20.0),
             0.0,
-            Prior("halfnormal", 0.5),
-            description="by how much a newton of preload turns the strip level",
+            Prior("halfnormal", 0.2),
+            description="by how much a newton between the faces turns the strip level",
+        ),
+        Parameter(
+            "air_share",
+            "1",
+            (0.0, 1.0),
+            0.5,
+            Prior("uniform", 0.0, 1.0),
+            description="share of the spread that the squeezed air sees",
         ),
         fixture_share("spread"),
     ),
     reference=(
         "Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300, doi:10.1098/rspa.1966.0242 (distribution of "
-        "heights); average over a uniform spread derived here"
+        "heights); average over a uniform spread and the air's share derived here"
     ),
-    validity="half spread up to about two roughness sds; the squeezed air is that of a parallel gap",
+    validity="half spread up to about two roughness sds; the air's to the second order in spread over gap",
     apply=apply,
     draw=lambda rng: {
         "angle": rng.uniform(2e-4, 2e-3),
         "lift": rng.uniform(0.0, 8e-6),
-        "levelling": rng.uniform(0.0, 1.0),
+        "levelling": rng.uniform(0.0, 0.5),
+        "air_share": rng.uniform(0.0, 1.0),
         "fixture_share": rng.uniform(0.0, 1.0),
     },
 )

@@ -7,8 +7,9 @@ from __future__ import annotations
 import math
 
 from eaclutch.physics.kernels.compiled import compiled, inlined
+from eaclutch.physics.kernels.contact import adhesion, contact
 from eaclutch.physics.kernels.drive import electroadhesion, electroadhesion_slopes, fields_at
-from eaclutch.physics.kernels.forces import adhesion, contact, squeeze, tension
+from eaclutch.physics.kernels.forces import squeeze, tension
 
 GAMMA = 0.25
 A21 = 1.544000000000000
@@ -30,8 +31,8 @@ def net_force(p, fields, h, v, load, gap_before, tables):
     """Net upward force on the film [N] in the fields of that instant."""
     up, _ = contact(p, h, tables)
     down = electroadhesion(p, fields, h, tables)
-    pull, _ = adhesion(p, h)
-    c, _ = squeeze(p, h)
+    pull, _ = adhesion(p, h, tables)
+    c, _ = squeeze(p, h, tables)
     held, _ = tension(p, gap_before, h)
     return up - down - pull - load + held - c * v
 
@@ -41,8 +42,8 @@ def net_force_slopes(p, t, h, v, load, gap_before, phase, tables):
     """(net force, d/dh, d/dv, d/dt)."""
     up, up_h = contact(p, h, tables)
     down, down_h, down_t = electroadhesion_slopes(p, t, phase, h, tables)
-    pull, pull_h = adhesion(p, h)
-    c, c_h = squeeze(p, h)
+    pull, pull_h = adhesion(p, h, tables)
+    c, c_h = squeeze(p, h, tables)
     held, stiff = tension(p, gap_before, h)
     net = up - down - pull - load + held - c * v
     return net, up_h - down_h - pull_h - stiff - c_h * v, -c, -down_t

@@ -1,72 +1,21 @@
-"""Forces on the film at a gap h: contact, adhesion without voltage, squeezed air, electroadhesion of a field.
+"""Forces on the film at a gap h: its tension, squeezed air, electroadhesion of a field; contact.py has the others.
 
 A field is (amount, kappa, thickness, film, a, row, coordinate): F_ea = amount x I(h), amount = Q V^2, film =
 thickness / kappa, and the place of the cut a in the roughness table; it does not depend on h, so the stages of a
 step that share a time share it.
 
-Where film and substrate are not parallel, each force is the mean over gaps spread evenly by p.gap_half_spread about h.
+Where film and strip are not parallel, each force is the mean over gaps spread about h (``contact.half_spread``).
 """
 
 from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from eaclutch.physics.kernels.compiled import inlined
-from eaclutch.physics.kernels.lookup import log_contact, rough_row, rough_slopes, rough_value
+from eaclutch.physics.kernels.contact import PLACES, ROOT_HALF, ROOT_TWO_PI, SHARES, half_spread
+from eaclutch.physics.kernels.lookup import rough_row, rough_slopes, rough_value
 
 SMALLEST_GAP = 1e-10  # m; keeps the squeeze film finite while a trial step overshoots
-ROOT_HALF = math.sqrt(0.5)
-ROOT_TWO_PI = math.sqrt(2.0 * math.pi)
-# Gauss-Legendre over the even spread: gaps at rest to 0.1 % for half spreads of up to 2.2 roughnesses.
-PLACES, _WEIGHTS = (tuple(map(float, part)) for part in np.polynomial.legendre.leggauss(4))
-SHARES = tuple(0.5 * weight for weight in _WEIGHTS)
-
-
-@inlined
-def contact(p, h, tables):
-    """(F_k, dF_k/dh) [N, N/m]."""
-    if p.gap_half_spread == 0.0:
-        return level_contact(p, h, tables)
-    force, slope = 0.0, 0.0
-    for i in range(len(PLACES)):
-        local, local_slope = level_contact(p, h + PLACES[i] * p.gap_half_spread, tables)
-        force += SHARES[i] * local
-        slope += SHARES[i] * local_slope
-    return force, slope
-
-
-@inlined
-def level_contact(p, h, tables):
-    """The same of a gap that is h everywhere."""
-    log_g, slope = log_contact(h * p.inverse_sigma, tables.contact)
-    force = p.contact_scale * math.exp(log_g)
-    return force, force * slope * p.inverse_sigma
-
-
-@inlined
-def adhesion(p, h):
-    """(attraction without voltage, its derivative) [N, N/m]: A Phi(-h / (r sigma)), r = range."""
-    if p.adhesion_force == 0.0:
-        return 0.0, 0.0
-    if p.gap_half_spread == 0.0:
-        return level_adhesion(p, h)
-    force, slope = 0.0, 0.0
-    for i in range(len(PLACES)):
-        local, local_slope = level_adhesion(p, h + PLACES[i] * p.gap_half_spread)
-        force += SHARES[i] * local
-        slope += SHARES[i] * local_slope
-    return force, slope
-
-
-@inlined
-def level_adhesion(p, h):
-    """The same of a gap that is h everywhere."""
-    x = h * p.inverse_sigma / p.adhesion_range
-    density = math.exp(-0.5 * x * x) / ROOT_TWO_PI
-    slope = -p.adhesion_force * density * p.inverse_sigma / p.adhesion_range
-    return p.adhesion_force * 0.5 * math.erfc(x * ROOT_HALF), slope
 
 
 @inlined
@@ -81,12 +30,24 @@ def tension(p, gap_before, h):
 
 
 @inlined
-def squeeze(p, h):
-    """(c(h), dc/dh) with F_b = -c dh/dt; c = damping / (h^2 (h + 6 slip_length))."""
+def squeeze(p, h, tables):
+    """(c(h), dc/dh) with F_b = -c dh/dt; c = damping / (h^2 (h + 6 slip_length)), and over gaps that spread by S times
+    1 + 2 a (S / h)^2: the mean of 1/h^3 to the second order, of the share a that the air sees."""
     h = max(h, SMALLEST_GAP)
     inverse, wide = 1.0 / h, 1.0 / (h + 6.0 * p.slip_length)
     c = p.damping * inverse * inverse * wide
-    return c, -c * (2.0 * inverse + wide)
+    slope = -c * (2.0 * inverse + wide)
+    if p.gap_half_spread != 0.0 and p.gap_in_air != 0.0:
+        spread, widening = half_spread(p, h, tables)
+        part = spread * inverse
+        if part < 1.0:
+            more = 1.0 + 2.0 * p.gap_in_air * part * part
+            slope = slope * more + c * 4.0 * p.gap_in_air * part * (widening - part) * inverse
+        else:  # the faces touch: what is squeezed there hardly matters
+            more = 1.0 + 2.0 * p.gap_in_air
+            slope *= more
+        c *= more
+    return c, slope
 
 
 @inlined
@@ -110,9 +71,10 @@ def field_force(p, field, h, tables):
         return 0.0
     if p.gap_half_spread == 0.0:
         return level_field_force(p, field, h, tables)
+    spread, _ = half_spread(p, h, tables)
     force = 0.0
     for i in range(len(PLACES)):
-        force += SHARES[i] * level_field_force(p, field, h + PLACES[i] * p.gap_half_spread, tables)
+        force += SHARES[i] * level_field_force(p, field, h + PLACES[i] * spread, tables)
     return force
 
 
@@ -141,11 +103,12 @@ def field_slopes(p, field, h, tables):
         return 0.0, 0.0, 0.0, 0.0
     if p.gap_half_spread == 0.0:
         return level_field_slopes(p, field, h, tables)
+    spread, widening = half_spread(p, h, tables)
     force, slope_h, slope_film, value = 0.0, 0.0, 0.0, 0.0
     for i in range(len(PLACES)):
-        local = level_field_slopes(p, field, h + PLACES[i] * p.gap_half_spread, tables)
+        local = level_field_slopes(p, field, h + PLACES[i] * spread, tables)
         force += SHARES[i] * local[0]
-        slope_h += SHARES[i] * local[1]
+        slope_h += SHARES[i] * local[1] * (1.0 + PLACES[i] * widening)
         slope_film += SHARES[i] * local[2]
         value += SHARES[i] * local[3]
     return force, slope_h, slope_film, value

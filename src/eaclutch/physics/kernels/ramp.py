@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from eaclutch.physics.kernels.compiled import compiled
-from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_force, held_field
+from eaclutch.physics.kernels.contact import adhesion, contact
+from eaclutch.physics.kernels.forces import driven_field, field_force, held_field
 from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, frictions
 
 LEVEL_SPAN = 3e-3  # s before voltage off whose median is the force at switch-off (contract)
@@ -33,7 +34,7 @@ def driven_friction(p, gap, gap_before, tables):
 def friction_in_field(p, field, gap, gap_before, tables):
     """(static, kinetic) friction [N] at rest in a steady field, kinetic at the mean speed of a slip."""
     lift, _ = contact(p, gap, tables)
-    pull, _ = adhesion(p, gap)
+    pull, _ = adhesion(p, gap, tables)
     force = field_force(p, field, gap, tables)
     normal_base = p.substrate_weight + lift - force - pull
     static, kinetic = frictions(p, normal_base, lift, p.static_factor_ramp, 0.0)

@@ -5,9 +5,10 @@ from __future__ import annotations
 import math
 
 from eaclutch.physics.kernels.compiled import compiled
+from eaclutch.physics.kernels.contact import contact
 from eaclutch.physics.kernels.drive import RELEASING, electroadhesion, fields_at
 from eaclutch.physics.kernels.film import equilibrium, net_force_slopes, next_step, rodas_step
-from eaclutch.physics.kernels.forces import contact, tension
+from eaclutch.physics.kernels.forces import tension
 from eaclutch.physics.kernels.ramp import train_stiffness
 from eaclutch.physics.kernels.slide import COUNT, MODE, X, advance, follow
 from eaclutch.physics.kernels.statics import NEVER_SLIPS, OK, TIMED_OUT

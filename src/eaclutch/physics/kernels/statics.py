@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 
 from eaclutch.physics.kernels.compiled import compiled
-from eaclutch.physics.kernels.forces import adhesion, contact, driven_field, field_slopes, held_field, tension
+from eaclutch.physics.kernels.contact import adhesion, contact
+from eaclutch.physics.kernels.forces import driven_field, field_slopes, held_field, tension
 from eaclutch.physics.kernels.lookup import log_contact
 
 OK, PULL_IN, NEVER_SLIPS, TIMED_OUT = 0, 1, 2, 3
@@ -62,7 +63,7 @@ def rest_before(p, tables):
     total, attraction = max(load, least), 0.0
     gap = gap_at_load(p, total, tables)
     for _ in range(100):  # damped fixed point: the attraction is a small part of the friction
-        attraction, _ = adhesion(p, gap)
+        attraction, _ = adhesion(p, gap, tables)
         new_load = max(load - film * attraction / (base + film), least)
         new_gap = gap_at_load(p, new_load + attraction, tables)
         change = new_gap - gap
@@ -80,7 +81,7 @@ def net_log(p, h, load, gap_before, force, force_h, tables):
     held, stiff = tension(p, gap_before, h)
     up += held
     up_h -= stiff
-    pull, pull_h = adhesion(p, h)
+    pull, pull_h = adhesion(p, h, tables)
     down, down_h = force + pull + load, force_h + pull_h
     return math.log(up / down), up_h / up - down_h / down
 
