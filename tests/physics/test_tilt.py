@@ -12,6 +12,7 @@ from eaclutch.physics import laws
 from eaclutch.physics.effects import BASE
 from eaclutch.physics.kernels import contact as faces
 from eaclutch.physics.kernels import forces
+from eaclutch.physics.kernels.statics import gap_at_load
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.tables import tables
 
@@ -123,3 +124,12 @@ def test_squeezed_air_feels_the_mean_of_the_inverse_cubes(tilted, runs):
     assert found[2] == pytest.approx(_mean(lambda t: plain * (h / t) ** 3, h), rel=3e-3)
     # Reynolds' equation across a wedge with both sides open: 1 + 0.6 (S / h)^2
     assert found[1] == pytest.approx(plain * (1.0 + 0.6 * (HALF / h) ** 2), rel=1e-9)
+
+
+@pytest.mark.parametrize("load", [0.01, 0.5, 1.0, 2.0, 8.0])
+def test_a_wide_wedge_that_snaps_shut_still_bears_its_load(tilted, runs, load):
+    wide = {"gap_tilt.angle": 2.0 * 2.2 * SIGMA / WIDTH, "gap_tilt.levelling": 1.0}
+    row = tilted.rows(runs(), wide)[0][0, 0]
+    gaps = np.linspace(0.2, 9.0, 200) * SIGMA
+    assert any(np.diff([faces.contact(row, h, tables())[0] for h in gaps]) > 0.0), "it does not snap"
+    assert faces.contact(row, gap_at_load(row, load, tables()), tables())[0] == pytest.approx(load, rel=1e-9)

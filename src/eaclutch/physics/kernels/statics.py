@@ -28,22 +28,32 @@ def weakened(p, speed):
 
 @compiled
 def gap_at_load(p, load, tables):
-    """Gap at which the contact alone carries ``load`` [N]: Newton on log F_k, which is concave in h (its mean
-    over an even spread of gaps, too, but for what four nodes leave of it: hence the clamp)."""
+    """Gap at which the contact alone carries ``load`` [N]: Newton on log F_k, which is concave in h. Its mean over a
+    spread of gaps is, too, but for what four nodes leave of it; a wide spread that the load makes smaller may snap
+    shut: hence the clamp and the bracket."""
     target = math.log(load / p.contact_scale)
     x = (
         math.sqrt(max(-2.0 * target - 1.8 * math.log(max(-2.0 * target, 1.0)) - 2.0, 0.0))
         if target < -1.0
         else -1.0
     )
-    for _ in range(60):
+    low, high = -math.inf, math.inf
+    for _ in range(80):
         if p.gap_half_spread == 0.0:
             value, slope = log_contact(x, tables.contact)
         else:
             force, force_slope = contact(p, x * p.sigma, tables)
             value, slope = math.log(force / p.contact_scale), force_slope / force * p.sigma
-        step = (value - target) / slope
-        x -= min(max(step, -2.0), 2.0)
+        if value > target:
+            low = x
+        else:
+            high = x
+        # where it snaps the slope points away from the gap
+        step = (value - target) / slope if slope < 0.0 else target - value
+        new = x - min(max(step, -2.0), 2.0)
+        if new < low or new > high:
+            new = 0.5 * (low + high)
+        step, x = x - new, new
         if abs(step) < 1e-13:
             break
     return x * p.sigma
