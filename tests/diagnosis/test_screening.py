@@ -269,5 +269,5 @@ def test_repeats_that_drift_are_no_repeatability_and_no_name_either():
     assert drifting[NONE] < 0.01
     assert drifting[("gap_tilt",)] <= still[("gap_tilt",)]
     assert sum(drifting.values()) == pytest.approx(1.0)
-    base.repeat_drift = 1.0  # odds that a drift is there hardly move
+    base.repeat_drift = 1.0  # odds that a drift is there move little
     assert probabilities([base, named], thresholds)[NONE] > 0.95 * still[NONE]

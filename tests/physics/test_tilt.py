@@ -54,7 +54,7 @@ def test_each_force_is_its_mean_over_the_gaps(tilted, runs, h):
 
 
 @pytest.mark.parametrize("levelling", [0.0, 2.0])
-@pytest.mark.parametrize("h", [2.0 * SIGMA, 4.0 * SIGMA])
+@pytest.mark.parametrize("h", [1.2 * SIGMA, 2.0 * SIGMA, 4.0 * SIGMA])
 def test_slopes_are_those_of_the_means(tilted, runs, h, levelling):
     attraction = {"surface_adhesion.pressure": 1e4, "surface_adhesion.range_ratio": 2.0}
     tilt = TILT | {"gap_tilt.levelling": levelling, "gap_tilt.air_share": 0.6}
@@ -98,8 +98,8 @@ def test_a_slight_tilt_is_a_slightly_rougher_film(tilted, bench, runs):
         assert found == pytest.approx(expected, rel=1e-4)
 
 
-def test_what_presses_on_the_strip_turns_it_level(tilted, runs):
-    """Half as tilted under the force 1 / l; pressed hard, or free to turn, it acts as a parallel one."""
+def test_the_closer_it_is_the_more_level_it_turns(tilted, runs):
+    """Half as tilted where parallel faces would carry 1 / l; free to turn, it acts as a parallel one."""
     row = tilted.rows(runs(), TILT | {"gap_tilt.levelling": 1.0})[0][0, 0]
     there = brentq(lambda h: _contact(h) - 1.0, 0.1 * SIGMA, 9.0 * SIGMA, xtol=1e-16)
     assert faces.half_spread(row, there, tables())[0] == pytest.approx(0.5 * HALF, rel=1e-4)
@@ -122,8 +122,23 @@ def test_squeezed_air_feels_the_mean_of_the_inverse_cubes(tilted, runs):
     ]
     assert found[0] == pytest.approx(plain, rel=1e-12)
     assert found[2] == pytest.approx(_mean(lambda t: plain * (h / t) ** 3, h), rel=3e-3)
-    # Reynolds' equation across a wedge with both sides open: 1 + 0.6 (S / h)^2
-    assert found[1] == pytest.approx(plain * (1.0 + 0.6 * (HALF / h) ** 2), rel=1e-9)
+    # Reynolds' equation across a wedge with both sides open, y in half widths: d/dy(gap^3 dp/dy) = 12 mu dh/dt
+    cubed = [quad(lambda y, n=n: y**n / (1.0 + y * HALF / h) ** 3, -1.0, 1.0)[0] for n in range(3)]
+    across = (cubed[2] - cubed[1] ** 2 / cubed[0]) / (2.0 / 3.0)
+    assert found[1] == pytest.approx(plain * across, rel=1e-3)
+
+
+def test_a_tilted_fixture_has_the_mean_of_the_capacitances(tilted, runs):
+    tilt = TILT | {"gap_tilt.fixture_share": 1.0}
+    force = np.array([0.1, 4.0])
+    found = tilted.capacitance(force, WIDTH, tilt)[0]
+    row = tilted.rows(runs(), tilt)[0][0, 0]
+    film = 24e-6 / 54.2
+    for value, load in zip(found, force, strict=True):
+        rest = gap_at_load(row, load * 55.5 / 60.0, tables())  # the fixture's overlap is longer
+        level = float(laws.capacitance_scale(tilted.bench.pad, WIDTH))
+        mean = _mean(lambda t, level=level: level / (film + max(t, 0.0)), rest)
+        assert value == pytest.approx(mean, rel=5e-3) and value > 1.01 * level / (film + rest)
 
 
 @pytest.mark.parametrize("load", [0.01, 0.5, 1.0, 2.0, 8.0])

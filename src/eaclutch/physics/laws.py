@@ -44,6 +44,16 @@ def capacitance(pad: Pad, width: Quantity, gap: Quantity, kappa: Quantity, thick
     return capacitance_scale(pad, width) / (np.asarray(thickness) / kappa + gap)
 
 
+def mean_inverse_distance(film: Quantity, gap: Quantity, half_spread: Quantity) -> FloatArray:
+    """Mean of 1 / (film + h) [1/m] over gaps h spread evenly by ``half_spread`` about ``gap``, ``film`` = T_d / kappa
+    (all [m]); where the faces touch, h is 0."""
+    film, gap, half = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in (film, gap, half_spread)))
+    spread = np.where(half > 0.0, half, 1.0)
+    touching = np.maximum(spread - gap, 0.0)
+    open_part = np.log((film + gap + spread) / (film + np.maximum(gap - spread, 0.0)))
+    return np.where(half > 0.0, (open_part + touching / film) / (2.0 * spread), 1.0 / (film + gap))
+
+
 def gap_from_capacitance(
     pad: Pad, width: Quantity, capacitance: Quantity, kappa: Quantity, thickness: Quantity
 ) -> FloatArray:

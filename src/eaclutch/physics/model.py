@@ -223,7 +223,8 @@ class ClutchModel:
         )
         film = table["thickness"] / table["kappa_driven"]
         scale = laws.capacitance_scale(self.bench.pad, width, fixture.overlap_length)
-        return scale / (film + gap) + values["stray_capacitance"] + np.asarray(sockets.stray_capacitance)
+        inverse = laws.mean_inverse_distance(film, gap, table["gap_half_spread"])
+        return scale * inverse + values["stray_capacitance"] + np.asarray(sockets.stray_capacitance)
 
     def history(
         self,

@@ -47,9 +47,7 @@ class Sockets:
     # contact
     contact_factor: FloatArray | float = 1.0  # multiplies contact_stiffness
     gap_spread_sd: FloatArray | float = 0.0  # m; of an even spread of the gaps over the overlap (tilt)
-    gap_levelling: FloatArray | float = (
-        0.0  # 1/N; what is pressed between the faces makes that spread smaller
-    )
+    gap_levelling: FloatArray | float = 0.0  # 1/N; how much closeness makes that spread smaller
     gap_in_air: FloatArray | float = 0.0  # share of that spread that the squeezed air sees
     fixture_gap_spread_sd: FloatArray | float = 0.0  # m; the same on the capacitance fixture
     adhesion_force: FloatArray | float = 0.0  # N at full contact; acts as adhesion_force * ..

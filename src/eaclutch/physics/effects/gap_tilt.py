@@ -2,11 +2,13 @@
 of sd angle w_s / sqrt(12) for a tilt across the width and lift / sqrt(12) for one end lifted along the strip; both
 together are taken as one uniform spread of their joint sd. Contact, attraction and force are averaged over it.
 
-A strip that is free to turn levels under what presses it on the film, its preload and the pull: the tilt is
-1 / (1 + l F) of what it is without, F the contact force of parallel faces at that gap, and comes back as the film
-lets go. The squeezed air, whose damping goes as 1 / h^3, sees a share of the spread: all of a lift along the strip,
-for it flows across, and 0.3 of a tilt across, where it flows out at the open side (Reynolds' equation to the second
-order). The capacitance fixture, where the strip is pressed on the film by itself, has an unknown share of it."""
+A strip that is free to turn levels the closer preload and pull bring it to the film: the tilt is 1 / (1 + l F) of what
+it is far away, F what parallel faces would carry at that gap (less than a tilted strip does there: with F its own load
+the law says the same of campaigns, at ten times the cost), and comes back as the film lets go. The
+squeezed air, whose damping goes as 1 / h^3, sees a share of the spread: all of a lift along the strip, for it flows
+across, 0.3 of a tilt across, where it flows out at the open side (Reynolds' equation to the second order), and less
+where the strip turns as the film moves. So that share is free. The capacitance fixture, where the strip is pressed on
+the film by itself, has an unknown share of the spread, the same at every load."""
 
 from __future__ import annotations
 
@@ -62,7 +64,7 @@ EFFECT = Effect(
             (0.0, 20.0),
             0.0,
             Prior("halfnormal", 0.2),
-            description="by how much a newton between the faces turns the strip level",
+            description="by how much it turns level for a newton that parallel faces would carry",
         ),
         Parameter(
             "air_share",
@@ -78,7 +80,7 @@ EFFECT = Effect(
         "Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300, doi:10.1098/rspa.1966.0242 (distribution of "
         "heights); average over a uniform spread and the air's share derived here"
     ),
-    validity="half spread up to about two roughness sds; the air's to the second order in spread over gap",
+    validity="half spread up to about two roughness sds; the air's to the second order, without slip",
     apply=apply,
     draw=lambda rng: {
         "angle": rng.uniform(2e-4, 2e-3),
