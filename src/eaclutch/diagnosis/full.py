@@ -88,7 +88,7 @@ def compared(
     u = problem.priors.to_normal(sampled.flat)
     evidence, sd, draws = importance_evidence(problem, u, rng)
     lost = unrealised(study.forward(fitted.effects), study.data, mode, linearised)
-    laplace, spread = posterior_sd(linearised), fitted.sd
+    laplace, spread = posterior_sd(linearised), fitted.sd  # prior sds, natural units
     rows = {
         name: {
             "mean": float(sampled.flat[:, i].mean()), "sd": float(sampled.flat[:, i].std()),

@@ -1,7 +1,7 @@
 """What the faces do to each other at a gap h whether or not there is a voltage: contact, and adhesion without one.
 
 Where film and strip are not parallel, each force is the mean over gaps spread evenly about h, of a half spread that
-becomes smaller as what is pressed between the faces turns the strip level.
+becomes smaller the closer the strip is brought, which turns it level.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ ROW = np.dtype(
             "force_scale", "held_factor", "gap_in_force", "roughness_in_force", "clamped", "cut",
             "residual_fraction", "residual_decay_time",
             # contact: contact_scale = k L w sigma^1.5, sigma the roughness; gap_half_spread [m] of an even
-            # spread, gap_levelling [1/N] of what is pressed on it, gap_in_air the share that the air sees
+            # spread, gap_levelling [1/N] that makes it smaller, gap_in_air the share that the air sees
             "contact_scale", "sigma", "inverse_sigma", "gap_half_spread", "gap_levelling", "gap_in_air",
             "adhesion_force", "adhesion_range",
             # film: damping [N s m2] so that F_b = -damping / (h^2 (h + 6 slip_length)) dh/dt
