@@ -5,10 +5,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from scipy import sparse
+from scipy.optimize import minimize
 
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.channels import CHANNELS
-from eaclutch.diagnosis.localise import localise
+from eaclutch.diagnosis.localise import Explained, localise
 from eaclutch.diagnosis.splits import Split, confounded, settings_of, splits_of
 
 RUNS = 24
@@ -83,7 +84,7 @@ def test_the_place_of_a_named_effect_is_where_it_acts_however_small_its_gap(camp
     explained[:RUNS][late] = -0.01
     errors += explained
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, errors, simulated, rng, explained).rows
+    (row,) = localise(data, cells, errors, simulated, rng, Explained(explained, explained)).rows
     assert row["observable"] == "release_time_50_s"
     assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
     assert row["direction"] == "-" and row["share"] == pytest.approx(1.0)
@@ -96,7 +97,7 @@ def test_the_direction_is_that_of_the_measured_errors_whatever_the_effect_would_
     errors, explained = rng.normal(0.0, 0.02, 2 * RUNS), np.zeros(2 * RUNS)
     explained[:RUNS][late], errors[:RUNS][late] = -0.1, 0.1
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, errors, simulated, rng, explained).rows
+    (row,) = localise(data, cells, errors, simulated, rng, Explained(explained, explained)).rows
     assert row["direction"] == "+"
 
 
@@ -108,7 +109,7 @@ def test_the_place_of_an_effect_is_the_split_that_says_most_of_it(campaign):
     explained[:RUNS][late] = np.where(data.conditions.run_order[late] < 1.5, 0.4, 0.1)
     errors = explained + rng.normal(0.0, 0.02, 2 * RUNS)
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, errors, simulated, rng, explained).rows
+    (row,) = localise(data, cells, errors, simulated, rng, Explained(explained, explained)).rows
     assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
     assert row["share"] == pytest.approx(1.0)
 
@@ -118,8 +119,34 @@ def test_an_effect_that_acts_alike_everywhere_is_called_all(campaign):
     rng = np.random.default_rng(1)
     explained = np.concatenate([rng.uniform(0.05, 0.15, RUNS), np.zeros(RUNS)])
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, explained, simulated, rng, explained).rows
+    (row,) = localise(data, cells, explained, simulated, rng, Explained(explained, explained)).rows
     assert row["factor"] == "all"
+
+
+def test_what_calibration_takes_up_of_an_effect_is_no_place_of_it(campaign):
+    """A force that is a third larger everywhere, and more so at 300 V: a factor on the force follows the former."""
+    data, cells, _ = campaign
+    rng = np.random.default_rng(1)
+    shift = np.zeros(2 * RUNS)
+    shift[:RUNS] = np.where(data.conditions.voltage > 250, 0.40, 0.26)
+    factor, noise = np.append(np.ones(RUNS), np.zeros(RUNS))[:, None], 0.02**2 * np.eye(2 * RUNS)
+    simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
+    places = [
+        localise(data, cells, shift, simulated, rng, Explained.of(shift, jacobian, noise)).rows[0]
+        for jacobian in (0.0 * factor, factor, 1e-3 * factor)
+    ]
+    # a factor that its prior holds within a thousandth follows nothing
+    assert [row["factor"] for row in places] == ["all", "voltage_v", "all"]
+    assert places[1]["level"] == ">200" and places[1]["share"] == pytest.approx(0.40**2 / (0.40**2 + 0.26**2))
+
+
+def test_what_is_left_of_an_effect_is_what_a_refit_leaves():
+    """The ridge's closed form against a minimiser's."""
+    rng = np.random.default_rng(3)
+    shift, jacobian, sd = rng.normal(size=9), rng.normal(size=(9, 3)), rng.uniform(0.3, 2.0, 9)
+    refit = minimize(lambda u: np.sum(((shift - jacobian @ u) / sd) ** 2) + u @ u, np.zeros(3), tol=1e-12)
+    left = Explained.of(shift, jacobian, np.diag(sd**2)).left
+    assert left == pytest.approx(shift - jacobian @ refit.x, abs=1e-5)
 
 
 def test_a_factor_that_says_which_side_a_run_is_on_is_named_though_no_cut_of_it_does():
@@ -193,7 +220,7 @@ def test_what_is_seen_on_the_bench_alone_has_its_place_there(campaign):
     explained = np.zeros(len(errors))
     explained[n : n + readings] = -0.1
     simulated = rng.normal(0.0, 0.02, (400, len(errors)))
-    for known in (None, explained):
+    for known in (None, Explained(explained, explained)):
         (row,) = localise(with_bench, cells, errors + explained, simulated, rng, known).rows
         assert (row["observable"], row["phase"], row["factor"]) == ("capacitance_pf", "capacitance", "all")
         assert row["direction"] == "-" and row["share"] > 0.9 and row["p_value"] < 0.05

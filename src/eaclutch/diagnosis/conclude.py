@@ -13,14 +13,13 @@ from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, sur
 from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.gate import simulate_null
 from eaclutch.diagnosis.gaussian import leave_out, log_normal
-from eaclutch.diagnosis.localise import localise
+from eaclutch.diagnosis.localise import Explained, localise
 from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.session_moves import sessions_apart
 from eaclutch.diagnosis.study import SESSION_SPREADS, Study
 from eaclutch.diagnosis.verdict import Verdict, decide, in_words
 from eaclutch.diagnosis.weigh import NONE, UNKNOWN, probabilities
-from eaclutch.records import FloatArray
 
 SESSION_DRIFT = "session_drift"
 APART = 0.1  # of the shear capacity, between sessions, from which a wide spread between them may hold a drift
@@ -94,12 +93,18 @@ def gap_summary(study: Study, base: CandidateResult) -> dict[str, Any]:
 
 def _explained(
     study: Study, verdict: Verdict, after: CandidateResult, results: Sequence[CandidateResult]
-) -> FloatArray | None:
-    """What of the base model's errors (entries,) the verdict accounts for; None where there is no gap."""
+) -> Explained | None:
+    """What of the base model's errors the verdict accounts for; None where there is no gap."""
     if verdict.effects == UNKNOWN:
         said = [np.array(r.shift) for r in results if r.effects == (verdict.like,)]
-        return said[0] if said else study.remainder.discrepancy
-    return np.array(after.shift) if after.effects else None
+        shift = said[0] if said else study.remainder.discrepancy
+    elif after.effects:
+        shift = np.array(after.shift)
+    else:
+        return None
+    # by the repeats alone: what laws may be off by would take up any effect
+    noise = study.kernels.total(tolerance=0.0, session=0.0, scatter=False)
+    return Explained.of(shift, study.base.linearised.jacobian, noise)
 
 
 def session_spread(study: Study, after: CandidateResult) -> float:

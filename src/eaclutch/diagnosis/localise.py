@@ -2,9 +2,10 @@
 
 All p-values come from campaigns simulated from the fit whose errors are looked at, adjusted for the whole table at
 once. The table that is tested is larger than the one that is shown: every observable with every two-way split of
-every factor, besides "all". Where an effect is named, its place is the split that says most of what the effect does;
-where none fits, of how the nameless smooth term departs from the base model. Repeats and sessions scatter around
-that: a place that noise alone would have shown has a large p-value. The bench's capacitance is one place more.
+every factor, besides "all". Where an effect is named, its place is the split that says most of what calibration
+leaves of the effect (a factor on the force takes up the rest), by the side where the effect does more; where none
+fits, of how the nameless smooth term departs from the base model. Repeats and sessions scatter around that: a place
+that noise alone would have shown has a large p-value. The bench's capacitance is one place more.
 """
 
 from __future__ import annotations
@@ -31,6 +32,26 @@ LEAST = 0.05  # share of the gap from which a place that the named effect explai
 
 
 @dataclass(frozen=True)
+class Explained:
+    """What a verdict accounts for, each (entries,) on the comparison scale.
+
+    shift: how far it moves the entries with every parameter held. left: what is left of that once the calibrated
+    parameters have followed it as far as the repeats' noise and their priors let them.
+    """
+
+    shift: FloatArray
+    left: FloatArray
+
+    @classmethod
+    def of(cls, shift: FloatArray, jacobian: FloatArray, noise: FloatArray) -> Explained:
+        """From a shift, the base model's ``jacobian`` (entries, parameters in prior sds) and the covariance of the
+        ``noise`` (entries, entries)."""
+        weighed = np.linalg.solve(noise, jacobian)
+        taken = np.linalg.solve(np.eye(jacobian.shape[1]) + jacobian.T @ weighed, weighed.T @ shift)
+        return cls(shift, shift - jacobian @ taken)
+
+
+@dataclass(frozen=True)
 class Where:
     """The table, and the p-value of each observable on its own (same family)."""
 
@@ -44,15 +65,15 @@ def localise(
     errors: FloatArray,
     simulated: FloatArray,
     rng: np.random.Generator,
-    explained: FloatArray | None = None,
+    explained: Explained | None = None,
     *,
     level: float = 0.05,
 ) -> Where:
     """Find the places.
 
     errors (entries,): measured less predicted by the base model, conditions left out; simulated
-    (campaigns, entries): the same of campaigns simulated from it. explained (entries,): what of these errors the
-    verdict accounts for, if there is a gap. Returns rows sorted by share.
+    (campaigns, entries): the same of campaigns simulated from it. explained: what of these errors the verdict
+    accounts for, if there is a gap. Returns rows sorted by share.
     """
     entries, settings = Entries.of(data), settings_of(data)
     bench = len(entries.index) - entries.runs
@@ -71,17 +92,17 @@ def localise(
     observable_p = {
         name: float(p_values[i]) for i, (name, split) in enumerate(tests) if split.factor == "all"
     }
-    excess, least, signature = ratio - null.mean(axis=0), 0.0, None
+    excess, least, said = ratio - null.mean(axis=0), 0.0, None
     if explained is not None:
         level, least = 1.0, LEAST
-        excess = entries.excess(data, cells, explained)
-        signature = explained[entries.index]
+        excess = entries.excess(data, cells, explained.shift)
+        said = Explained(explained.shift[entries.index], explained.left[entries.index])
     rows = []
     for name in names:
         found = (
             _place(name, tests, masks, excess, p_values, level)
-            if signature is None
-            else _where_it_acts(name, tests, masks, signature)
+            if said is None
+            else _where_it_acts(name, tests, masks, said)
         )
         if found is not None:
             test, index = found
@@ -119,26 +140,26 @@ def _place(
 
 
 def _where_it_acts(
-    name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, signature: FloatArray
+    name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, explained: Explained
 ) -> tuple[Split, int] | None:
     """Where what is known to act on an observable does, or None where it does nothing there.
 
-    signature (entries,): its shift on the comparison scale. The split whose two means say most of it, by the side
-    that holds more; "all" where one mean says nearly as much.
+    The split whose two means say most of what calibration leaves, by the side where the effect does more; "all" where
+    one mean says nearly as much.
     """
     mine = [i for i, (observable, _) in enumerate(tests) if observable == name]
     every = next((i for i in mine if tests[i][1].factor == "all"), None)
-    if every is None or not masks[every] @ signature**2 > 0.0:
+    if every is None or not masks[every] @ explained.shift**2 > 0.0:
         return None
-    size, total = float(masks[every].sum()), float(masks[every] @ signature)
+    size, total = float(masks[every].sum()), float(masks[every] @ explained.left)
     said = {every: total**2 / size}
     for i in mine:
-        inside, part = float(masks[i] @ signature), float(masks[i].sum())
+        inside, part = float(masks[i] @ explained.left), float(masks[i].sum())
         if 0.0 < part < size:
             said[i] = inside**2 / part + (total - inside) ** 2 / (size - part)
     most = max(said.values())
     if said[every] >= NEARLY * most:
         return tests[every][1], every
     sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
-    best = max(sides, key=lambda i: float(masks[i] @ signature**2))
+    best = max(sides, key=lambda i: float(masks[i] @ explained.shift**2))
     return tests[best][1], best
