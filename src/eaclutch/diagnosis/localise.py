@@ -92,17 +92,16 @@ def localise(
     observable_p = {
         name: float(p_values[i]) for i, (name, split) in enumerate(tests) if split.factor == "all"
     }
-    excess, least, said = ratio - null.mean(axis=0), 0.0, None
+    excess, least, left = ratio - null.mean(axis=0), 0.0, None
     if explained is not None:
         level, least = 1.0, LEAST
-        excess = entries.excess(data, cells, explained.shift)
-        said = Explained(explained.shift[entries.index], explained.left[entries.index])
+        excess, left = entries.excess(data, cells, explained.shift), explained.left[entries.index]
     rows = []
     for name in names:
         found = (
             _place(name, tests, masks, excess, p_values, level)
-            if said is None
-            else _where_it_acts(name, tests, masks, said)
+            if left is None
+            else _where_it_acts(name, tests, masks, excess, left)
         )
         if found is not None:
             test, index = found
@@ -140,26 +139,27 @@ def _place(
 
 
 def _where_it_acts(
-    name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, explained: Explained
+    name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, excess: FloatArray, left: FloatArray
 ) -> tuple[Split, int] | None:
     """Where what is known to act on an observable does, or None where it does nothing there.
 
-    The split whose two means say most of what calibration leaves, by the side where the effect does more; "all" where
-    one mean says nearly as much.
+    excess (entries,): what it does, squared over the repeats' variance; left (entries,): what calibration leaves of it.
+    The split whose two means say most of the latter, by the side that holds more of the former; "all" where one mean
+    says nearly as much.
     """
     mine = [i for i, (observable, _) in enumerate(tests) if observable == name]
     every = next((i for i in mine if tests[i][1].factor == "all"), None)
-    if every is None or not masks[every] @ explained.shift**2 > 0.0:
+    if every is None or not masks[every] @ excess > 0.0:
         return None
-    size, total = float(masks[every].sum()), float(masks[every] @ explained.left)
+    size, total = float(masks[every].sum()), float(masks[every] @ left)
     said = {every: total**2 / size}
     for i in mine:
-        inside, part = float(masks[i] @ explained.left), float(masks[i].sum())
+        inside, part = float(masks[i] @ left), float(masks[i].sum())
         if 0.0 < part < size:
             said[i] = inside**2 / part + (total - inside) ** 2 / (size - part)
     most = max(said.values())
     if said[every] >= NEARLY * most:
         return tests[every][1], every
     sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
-    best = max(sides, key=lambda i: float(masks[i] @ explained.shift**2))
+    best = max(sides, key=lambda i: float(masks[i] @ excess))
     return tests[best][1], best
