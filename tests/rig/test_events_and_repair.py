@@ -13,7 +13,7 @@ from eaclutch.records import Bench
 from eaclutch.rig.columns_in_step import lost_lines
 from eaclutch.rig.estimate import Unusable
 from eaclutch.rig.events import find_events
-from eaclutch.rig.extract import extract
+from eaclutch.rig.extract import extract, extract_view
 from eaclutch.rig.hidden_wave import habit
 from eaclutch.rig.repair import make_whole
 from rig.made_run import STEP, Made, make_run, release_time, without_lines
@@ -286,6 +286,28 @@ def test_what_other_runs_say_of_the_drive_counts_where_a_force_has_hardly_time_t
     assert events.left_open and events.finishes is None and events.off_sd < 0.5 * STEP
     assert abs(events.off - off - (0.2e-3 if finishes else 0.0)) <= 1.1 * STEP
     assert ("voltage_outlives_flag" in events.flags) is finishes and "voltage_off_unsure" not in events.flags
+
+
+@pytest.mark.parametrize("place", [16_000, 80_000])
+def test_lost_lines_as_many_as_an_unseen_wave_has_may_have_been_lost_before_or_behind_the_release(place):
+    """The flag falls 8.2 ms before its half wave ends, the force 0.3 ms after the flag, or in truth 8.5 ms."""
+    shape = Made(frequency=50.0, delay=0.3e-3)
+    recording, on, off = make_run(shape, np.random.default_rng(3))
+    finished = place < 40_000
+    recording = grounded_since(recording, on, 50.0, 10e-3 if finished else 1.8e-3)
+    flag = recording.flag * (recording.time < off - (8.2e-3 if finished else 0.0))
+    broken = replace(
+        recording,
+        flag=flag,
+        force=without_lines(recording.force, (place, 105)),
+        voltage=without_lines(recording.voltage, (85_000, 226)),
+    )
+    row = extract(broken, Bench("test"))
+    assert np.isnan(row["release_time_50_s"]) and "force_not_in_step" in row["flags"].split(";")
+    _, known = extract_view(broken, Bench("test"), finished)
+    assert known["release_time_50_s"] == pytest.approx(
+        release_time(shape, 0.5), abs=5 * known["release_time_50_s_sd"]
+    )
 
 
 def on_of(recording):

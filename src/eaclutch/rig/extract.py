@@ -30,7 +30,7 @@ def extract_view(
     ``<observable>`` and ``<observable>_sd`` (NaN where unusable), slip_fraction_sd_zero_known, usable, flags (joined
     by ``;``).
     """
-    run = RunView(make_whole(recording), finishes)
+    run = RunView(make_whole(recording, finishes), finishes)
     flags = list(run.whole.recording.flags)
     estimates = {}
     for name, observable in OBSERVABLES.items():

@@ -47,8 +47,9 @@ def repair(recording: Recording) -> Recording:
     return make_whole(recording).recording
 
 
-def make_whole(recording: Recording) -> Whole:
-    """Repair a recording as logged, and tell where its force column stands (see ``Whole``)."""
+def make_whole(recording: Recording, finishes: bool | None = None) -> Whole:
+    """Repair a recording as logged, and tell where its force column stands (see ``Whole``); ``finishes``: as in
+    ``find_events``."""
     time, flags = unbroken_time(recording.time)
     force, lost = recording.force, lost_lines(recording.force)
     kept = len(force) - lost
@@ -74,15 +75,15 @@ def make_whole(recording: Recording) -> Whole:
     if "time_broken" in flags:
         return Whole(whole, np.nan, np.nan, True)
     try:
-        return _in_step(whole, lost)
+        return _in_step(whole, lost, finishes)
     except Unusable:
         return Whole(whole, np.nan, np.nan, True)
 
 
-def _in_step(recording: Recording, lost: int) -> Whole:
+def _in_step(recording: Recording, lost: int, finishes: bool | None) -> Whole:
     """Move the force where the shift around an event is known. Raises Unusable without events."""
     time, force = recording.time, recording.force
-    events = find_events(recording, in_step=False)
+    events = find_events(recording, in_step=False, finishes=finishes)
     step = sample_spacing(time)
     kept = len(force) - lost
 
@@ -91,14 +92,23 @@ def _in_step(recording: Recording, lost: int) -> Whole:
     off_shift = np.nan if drop is None else (events.off - drop) / step
     on_shift = np.nan if rise is None or rise.sd > RISE_SD else (events.on - rise.value) / step
 
-    def falls(shift: float) -> bool:
-        return -AFTER_OFF / step < off_shift - shift < BEFORE_OFF / step
+    def falls(shift: float, later: float = 0.0) -> bool:
+        return -AFTER_OFF / step < off_shift + later / step - shift < BEFORE_OFF / step
 
     def rises(shift: float) -> bool:
         return abs(on_shift - shift) < AROUND_ON / step
 
     before = 0.0 if rises(0) else on_shift
     torn = drop is not None and is_torn(time[:kept], force[:kept], drop)
+    if events.left_open and finishes is None:
+        # what was lost may be as long as a half wave that the drive finished, or did not
+        ends = (
+            find_events(recording, in_step=False, finishes=choice).off - events.off
+            for choice in (True, False)
+        )
+        fits = {shift for end in ends for shift in (0, lost) if falls(shift, end)}
+        if len(fits) > 1:
+            return Whole(_flagged(recording, "force_not_in_step"), before, np.nan, True)
     if falls(0) and not torn:
         # nothing was lost before release: all is in step until then
         return Whole(_flagged(recording, "force_in_step_until_release"))
