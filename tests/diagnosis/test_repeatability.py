@@ -24,6 +24,31 @@ def test_a_missing_value_costs_one_degree_of_freedom():
     assert found.variance == pytest.approx((0.5 + 2.0) / 2)
 
 
+def test_a_run_that_is_hardly_known_does_not_stretch_the_ruler_for_all():
+    """Sixty runs that scatter by 5 %, and one of a dying load cell, a third of the others and known to a half."""
+    rng = np.random.default_rng(1)
+    groups, zero = np.repeat(np.arange(20), 3), np.zeros(60, dtype=int)
+    sd = np.full(60, 0.02)
+    values = rng.normal(0.0, np.hypot(0.05, sd))
+    values[30], sd[30] = -1.5, 0.5
+    assert pooled_variance(values, zero, groups, zero).variance > 0.15**2
+    found = pooled_variance(values, zero, groups, zero, sd**2)
+    assert found.dof == 40
+    assert np.sqrt(found.variance) == pytest.approx(np.hypot(0.05, 0.02), rel=0.25)
+
+
+def test_what_each_run_is_known_by_is_no_scatter_of_the_others():
+    """Half of the runs are known to 20 %, half to 1 %: the scatter beyond that is found, whatever the mixture."""
+    rng = np.random.default_rng(2)
+    groups, before = np.repeat(np.arange(300), 4), rng.uniform(0.0, 0.1, 1200)
+    sd = np.tile([0.2, 0.01, 0.2, 0.01], 300)
+    for scatter in (0.05, 0.0):
+        values = 10.0 * groups + 3.0 * before + rng.normal(0.0, np.hypot(scatter, sd))
+        found = pooled_variance(values, before, groups, np.zeros(1200, dtype=int), sd**2)
+        beyond = np.sqrt(found.variance - np.median(sd**2))
+        assert beyond == pytest.approx(scatter, rel=0.1, abs=0.006)
+
+
 def test_no_repeats_fall_back_on_the_prior():
     lonely = pooled_variance(np.arange(3.0), np.zeros(3), np.arange(3), np.zeros(3, dtype=int))
     assert lonely.dof == 0

@@ -200,6 +200,16 @@ def test_a_column_that_is_zero_at_rest_has_lost_nothing():
     assert lost_lines(without_lines(recording.force, (20_000, 77))) == 77
 
 
+def test_a_coarse_force_that_passes_through_zero_has_lost_its_lines_none_the_less():
+    """Counts of 2 mN and an offset near zero: a tenth of the samples at rest read exactly zero, as the tail does."""
+    recording, *_ = made(friction=0.0, final=0.0)
+    coarse = 0.002 * np.round(recording.force / 0.002)
+    assert np.mean(coarse == 0) > 0.02 and lost_lines(coarse) == 0
+    assert lost_lines(without_lines(coarse, (20_000, 77))) == pytest.approx(77, abs=3)
+    found = extract(replace(recording, force=without_lines(coarse, (20_000, 1977))), Bench("test"))
+    assert {"force_lines_lost", "force_realigned"} <= set(found["flags"].split(";"))
+
+
 @pytest.mark.parametrize("holes", [((16_000, 14),), ((5_000, 60), (70_000, 200))])
 def test_time_with_holes_and_a_tail_of_zeros_is_put_back(holes):
     recording, *_ = made()

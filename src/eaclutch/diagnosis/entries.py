@@ -78,13 +78,14 @@ def build(
             scaled = np.where(contradicted, np.nan, scaled)
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
-        repeat, spread = pooled_variance(scaled, conditions.friction_before, groups, bins), scaled
+        own, spread = sd**2, scaled
+        repeat = pooled_variance(scaled, conditions.friction_before, groups, bins, own)
         if explained is not None:
-            other = pooled_variance(scaled - explained[i], conditions.friction_before, groups, bins)
+            other = pooled_variance(scaled - explained[i], conditions.friction_before, groups, bins, own)
             if other.variance < repeat.variance:
                 repeat, spread = other, scaled - explained[i]
         variance = run_variance(repeat, sd, np.isfinite(scaled), thresholds, channel.block)
-        variance = variance * session_share(spread, repeat, conditions, groups, bins)
+        variance = variance * session_share(spread, repeat, conditions, groups, bins, own)
         entries += _entries(scaled, variance, groups, len(kept))
         kept.append(channel)
         repeats[channel.name] = repeat

@@ -8,10 +8,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from eaclutch.records import FloatArray, RunConditions
 from eaclutch.rig.table import PRELOAD_EDGES
 
+LEAST_SCATTER = 1e-3  # of the plain variance: repeats that agree better than each is known
 SESSION_DOF = 2.0  # what the pooled repeat variance weighs against a session's own
 BIN = re.compile(r"_p([\d.e+-]+(?:inf)?N|unknown)$")  # the preload bin that a condition's name ends in
 
@@ -39,29 +41,59 @@ def preload_bins(conditions: Sequence[str], preload: FloatArray) -> np.ndarray:
 
 
 def pooled_variance(
-    values: FloatArray, friction_before: FloatArray, groups: FloatArray, bins: FloatArray
+    values: FloatArray,
+    friction_before: FloatArray,
+    groups: FloatArray,
+    bins: FloatArray,
+    own: FloatArray | None = None,
 ) -> RepeatVariance:
     """Variance within groups after regression on the friction before the voltage, one slope a preload bin.
 
     values, friction_before (runs,); groups, bins (runs,) integer labels. Runs that are not-a-number in
-    ``values`` do not count. Contract: "Repeat variance".
+    ``values`` do not count. Contract: "Repeat variance". With ``own`` (runs,), the variance that each run has by
+    itself, runs weigh as they are known, lest one that is hardly known stretch the ruler for all: what they scatter
+    beyond it is such that their weighed squares are as large as their degrees of freedom (Paule & Mandel 1982,
+    doi:10.6028/jres.087.022), and the variance is that of a run whose own is the median.
     """
     use = np.isfinite(values)
-    values, before = values[use], np.nan_to_num(friction_before[use])
-    groups, bins = groups[use], bins[use]
-    within_values, within_before = centred(values, groups), centred(before, groups)
-    dof = len(values) - len(np.unique(groups))
-    residual = within_values.copy()
-    for label in np.unique(bins):
-        rows = bins == label
-        spread = float(within_before[rows] @ within_before[rows])
-        # a slope needs repeats whose preload really differs
-        if spread > 1e-12 and dof > 3 and np.count_nonzero(rows) > 4:
-            slope = float(within_before[rows] @ within_values[rows]) / spread
-            residual[rows] -= slope * within_before[rows]
-            dof -= 1
-    variance = float(residual @ residual) / dof if dof > 0 else np.nan
-    return RepeatVariance(variance, max(dof, 0))
+    rows = _Rows(values[use], np.nan_to_num(friction_before[use]), groups[use], bins[use])
+    if rows.dof <= 0:
+        return RepeatVariance(np.nan, 0)
+    plain = rows.squares(np.ones(len(rows.values))) / rows.dof
+    if own is None or not plain > 0.0:
+        return RepeatVariance(plain, rows.dof)
+    alone = own[use]
+
+    def beyond(scatter: float) -> float:
+        return rows.squares(1.0 / (alone + scatter)) - rows.dof
+
+    least = LEAST_SCATTER * plain
+    scatter = float(brentq(beyond, least, plain)) if beyond(least) > 0.0 > beyond(plain) else least
+    return RepeatVariance(scatter + float(np.median(alone)), rows.dof)
+
+
+class _Rows:
+    """The runs that count, each array (runs,), and the degrees of freedom of their scatter within groups."""
+
+    def __init__(self, values: FloatArray, before: FloatArray, groups: FloatArray, bins: FloatArray) -> None:
+        self.values, self.before, self.groups = values, before, groups
+        self.dof, self.slopes = len(values) - len(np.unique(groups)), []
+        within = centred(before, groups)
+        for label in np.unique(bins):
+            rows = bins == label
+            # a slope needs repeats whose preload really differs
+            if float(within[rows] @ within[rows]) > 1e-12 and self.dof > 3 and np.count_nonzero(rows) > 4:
+                self.slopes.append(rows)
+                self.dof -= 1
+        self.dof = max(self.dof, 0)
+
+    def squares(self, weights: FloatArray) -> float:
+        """Weighed sum of squares within groups, slopes taken off, for ``weights`` (runs,)."""
+        residual, before = (centred(x, self.groups, weights) for x in (self.values, self.before))
+        for rows in self.slopes:
+            weighed = weights[rows] * before[rows]
+            residual[rows] -= float(weighed @ residual[rows]) / float(weighed @ before[rows]) * before[rows]
+        return float(weights @ residual**2)
 
 
 def shrunk_variance(repeat: RepeatVariance, prior_variance: float, prior_dof: float) -> float:
@@ -71,11 +103,13 @@ def shrunk_variance(repeat: RepeatVariance, prior_variance: float, prior_dof: fl
     return (repeat.dof * repeat.variance + prior_dof * prior_variance) / (repeat.dof + prior_dof)
 
 
-def centred(values: FloatArray, groups: FloatArray) -> FloatArray:
-    """Values less the mean of their group, same shape."""
+def centred(values: FloatArray, groups: FloatArray, weights: FloatArray | None = None) -> FloatArray:
+    """Values less the (weighed) mean of their group, same shape."""
     _, index = np.unique(groups, return_inverse=True)
-    count = np.bincount(index)
-    return values - (np.bincount(index, weights=values) / count)[index]
+    weights = np.ones(len(values)) if weights is None else weights
+    mean = np.bincount(index, weights=weights * values) / np.bincount(index, weights=weights)
+    found: FloatArray = values - mean[index]
+    return found
 
 
 def run_variance(
@@ -95,6 +129,7 @@ def session_share(
     conditions: RunConditions,
     groups: np.ndarray,
     bins: np.ndarray,
+    alone: FloatArray | None = None,
 ) -> FloatArray:
     """Each run's session's variance over the pooled one, (runs,): what shakes a bench on one day, a line of mains or
     a pump, leaves it alone on the next. Drawn to the pooled one where a session has few repeats, and never below it: a
@@ -105,6 +140,6 @@ def session_share(
     sessions = np.array(conditions.session, dtype=object)
     for name in dict.fromkeys(conditions.session):
         rows = sessions == name
-        own = pooled_variance(np.where(rows, spread, np.nan), conditions.friction_before, groups, bins)
+        own = pooled_variance(np.where(rows, spread, np.nan), conditions.friction_before, groups, bins, alone)
         share[rows] = max(1.0, shrunk_variance(own, pooled.variance, SESSION_DOF) / pooled.variance)
     return share

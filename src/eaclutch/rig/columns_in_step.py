@@ -26,7 +26,8 @@ def sample_spacing(time: FloatArray, span: int = 64) -> float:
 def lost_lines(values: FloatArray) -> int:
     """How many lines a column of shape (samples,) lost: exact zeros at its end, 0 where those are its own.
 
-    A column that reads exactly zero elsewhere at rest (a simulated one may) keeps its zeros.
+    A column that reads exactly zero elsewhere at rest (a simulated one may) keeps its zeros; one that passes through
+    zero, counted coarsely, reads it for a few samples at a time.
     """
     nonzero = np.flatnonzero(values != 0)
     if len(nonzero) == 0:
@@ -35,7 +36,13 @@ def lost_lines(values: FloatArray) -> int:
     if tail < FEWEST:
         return 0
     body = values[: nonzero[-1] + 1]
-    return tail if np.mean(body == 0) < 0.01 else 0
+    return tail if np.mean(body == 0) < 0.01 or _longest(body == 0) < min(STUCK, tail / 2) else 0
+
+
+def _longest(true: np.ndarray) -> int:
+    """How many samples in a row are ``true`` (samples,) at most."""
+    breaks = np.flatnonzero(np.concatenate([[True], ~true, [True]]))
+    return int(np.diff(breaks).max()) - 1
 
 
 def moved_right(values: FloatArray, start: int, lost: int) -> FloatArray:
