@@ -43,6 +43,11 @@ def campaign():
     return data, cells, late
 
 
+def all_left(shift):
+    """An effect of which calibration takes up nothing."""
+    return Explained(shift, shift, np.full(len(shift), 0.02))
+
+
 def where(campaign, errors, seed=2):
     data, cells, _ = campaign
     rng = np.random.default_rng(seed)
@@ -84,7 +89,7 @@ def test_the_place_of_a_named_effect_is_where_it_acts_however_small_its_gap(camp
     explained[:RUNS][late] = -0.01
     errors += explained
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, errors, simulated, rng, Explained(explained, explained)).rows
+    (row,) = localise(data, cells, errors, simulated, rng, all_left(explained)).rows
     assert row["observable"] == "release_time_50_s"
     assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
     assert row["direction"] == "-" and row["share"] == pytest.approx(1.0)
@@ -97,7 +102,7 @@ def test_the_direction_is_that_of_the_measured_errors_whatever_the_effect_would_
     errors, explained = rng.normal(0.0, 0.02, 2 * RUNS), np.zeros(2 * RUNS)
     explained[:RUNS][late], errors[:RUNS][late] = -0.1, 0.1
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, errors, simulated, rng, Explained(explained, explained)).rows
+    (row,) = localise(data, cells, errors, simulated, rng, all_left(explained)).rows
     assert row["direction"] == "+"
 
 
@@ -109,7 +114,7 @@ def test_the_place_of_an_effect_is_the_split_that_says_most_of_it(campaign):
     explained[:RUNS][late] = np.where(data.conditions.run_order[late] < 1.5, 0.4, 0.1)
     errors = explained + rng.normal(0.0, 0.02, 2 * RUNS)
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, errors, simulated, rng, Explained(explained, explained)).rows
+    (row,) = localise(data, cells, errors, simulated, rng, all_left(explained)).rows
     assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
     assert row["share"] == pytest.approx(1.0)
 
@@ -119,7 +124,7 @@ def test_an_effect_that_acts_alike_everywhere_is_called_all(campaign):
     rng = np.random.default_rng(1)
     explained = np.concatenate([rng.uniform(0.05, 0.15, RUNS), np.zeros(RUNS)])
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, explained, simulated, rng, Explained(explained, explained)).rows
+    (row,) = localise(data, cells, explained, simulated, rng, all_left(explained)).rows
     assert row["factor"] == "all"
 
 
@@ -137,6 +142,10 @@ def test_what_calibration_takes_up_of_an_effect_is_no_place_of_it(campaign):
     ]
     # a factor that its prior holds within a thousandth follows nothing
     assert [row["factor"] for row in places] == ["all", "voltage_v", "all"]
+    even = np.concatenate([np.full(RUNS, 0.3), np.zeros(RUNS)])
+    even[:4] += 1e-4  # what is left of an even force is far below the repeats' noise, and names no place
+    said = Explained.of(even, factor, noise)
+    assert localise(data, cells, even, simulated, rng, said).rows[0]["factor"] == "all"
     assert places[1]["level"] == ">200" and places[1]["share"] == pytest.approx(0.40**2 / (0.40**2 + 0.26**2))
 
 
@@ -220,7 +229,7 @@ def test_what_is_seen_on_the_bench_alone_has_its_place_there(campaign):
     explained = np.zeros(len(errors))
     explained[n : n + readings] = -0.1
     simulated = rng.normal(0.0, 0.02, (400, len(errors)))
-    for known in (None, Explained(explained, explained)):
+    for known in (None, all_left(explained)):
         (row,) = localise(with_bench, cells, errors + explained, simulated, rng, known).rows
         assert (row["observable"], row["phase"], row["factor"]) == ("capacitance_pf", "capacitance", "all")
         assert row["direction"] == "-" and row["share"] > 0.9 and row["p_value"] < 0.05

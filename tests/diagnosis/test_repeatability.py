@@ -49,6 +49,20 @@ def test_what_each_run_is_known_by_is_no_scatter_of_the_others():
         assert beyond == pytest.approx(scatter, rel=0.1, abs=0.006)
 
 
+@pytest.mark.parametrize("seed", range(4))
+def test_without_an_own_uncertainty_repeats_scatter_as_they_do(seed):
+    rng = np.random.default_rng(seed)
+    groups, zero = np.repeat(np.arange(10), 3), np.zeros(30, dtype=int)
+    values = rng.normal(0.0, 0.1, 30)
+    plain, told = (pooled_variance(values, zero, groups, zero, own) for own in (None, np.zeros(30)))
+    assert told.variance == pytest.approx(plain.variance) and told.beyond == told.variance
+    unknown = np.where(np.arange(30) == 4, np.inf, 0.0)
+    without = np.where(np.arange(30) == 4, np.nan, values)
+    assert pooled_variance(values, zero, groups, zero, unknown).variance == pytest.approx(
+        pooled_variance(without, zero, groups, zero).variance
+    )
+
+
 def test_no_repeats_fall_back_on_the_prior():
     lonely = pooled_variance(np.arange(3.0), np.zeros(3), np.arange(3), np.zeros(3, dtype=int))
     assert lonely.dof == 0

@@ -12,7 +12,7 @@ from eaclutch.diagnosis.causes import causes
 from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_left, total_gap
 from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.gate import simulate_null
-from eaclutch.diagnosis.gaussian import leave_out, log_normal
+from eaclutch.diagnosis.gaussian import Linearised, leave_out, log_normal
 from eaclutch.diagnosis.localise import Explained, localise
 from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
@@ -53,7 +53,7 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
         elsewhere @ sound.w,
         quiet,
         study.generator(13),
-        explained=_explained(study, verdict, after, results),
+        explained=_explained(study, verdict, after, results, sound),
     )
     units = {channel.name: channel.unit for channel in study.data.channels}
     closure = gap_numbers(study.cells, base, after, squares, study.generator(12))
@@ -92,9 +92,14 @@ def gap_summary(study: Study, base: CandidateResult) -> dict[str, Any]:
 
 
 def _explained(
-    study: Study, verdict: Verdict, after: CandidateResult, results: Sequence[CandidateResult]
+    study: Study,
+    verdict: Verdict,
+    after: CandidateResult,
+    results: Sequence[CandidateResult],
+    sound: Linearised,
 ) -> Explained | None:
-    """What of the base model's errors the verdict accounts for; None where there is no gap."""
+    """What of the base model's errors the verdict accounts for, calibrated parameters following as in the ``sound`` fit
+    that has these errors; None where there is no gap."""
     if verdict.effects == UNKNOWN:
         said = [np.array(r.shift) for r in results if r.effects == (verdict.like,)]
         shift = said[0] if said else study.remainder.discrepancy
@@ -104,7 +109,7 @@ def _explained(
         return None
     # by the repeats alone: what laws may be off by would take up any effect
     noise = study.kernels.total(tolerance=0.0, session=0.0, scatter=False)
-    return Explained.of(shift, study.base.linearised.jacobian, noise)
+    return Explained.of(shift, sound.jacobian, noise)
 
 
 def session_spread(study: Study, after: CandidateResult) -> float:

@@ -16,8 +16,8 @@ from eaclutch.diagnosis.repeatability import (
     RepeatVariance,
     pooled_variance,
     preload_bins,
-    run_variance,
-    session_share,
+    scatter_by_session,
+    usual_scatter,
 )
 from eaclutch.diagnosis.run_settings import run_features
 from eaclutch.diagnosis.screening import (
@@ -84,8 +84,8 @@ def build(
             other = pooled_variance(scaled - explained[i], conditions.friction_before, groups, bins, own)
             if other.variance < repeat.variance:
                 repeat, spread = other, scaled - explained[i]
-        variance = run_variance(repeat, sd, np.isfinite(scaled), thresholds, channel.block)
-        variance = variance * session_share(spread, repeat, conditions, groups, bins, own)
+        usual = usual_scatter(repeat, sd, np.isfinite(scaled), thresholds, channel.block)
+        variance = own + scatter_by_session(usual, spread, conditions, groups, bins, own)
         entries += _entries(scaled, variance, groups, len(kept))
         kept.append(channel)
         repeats[channel.name] = repeat

@@ -4,8 +4,8 @@ All p-values come from campaigns simulated from the fit whose errors are looked 
 once. The table that is tested is larger than the one that is shown: every observable with every two-way split of
 every factor, besides "all". Where an effect is named, its place is the split that says most of what calibration
 leaves of the effect (a factor on the force takes up the rest), by the side where the effect does more; where none
-fits, of how the nameless smooth term departs from the base model. Repeats and sessions scatter around that: a place
-that noise alone would have shown has a large p-value. The bench's capacitance is one place more.
+fits, of the lookalike or the nameless smooth term that says best what would. Repeats and sessions scatter around that:
+a place that noise alone would have shown has a large p-value. The bench's capacitance is one place more.
 """
 
 from __future__ import annotations
@@ -36,19 +36,24 @@ class Explained:
     """What a verdict accounts for, each (entries,) on the comparison scale.
 
     shift: how far it moves the entries with every parameter held. left: what is left of that once the calibrated
-    parameters have followed it as far as the repeats' noise and their priors let them.
+    parameters have followed it as far as the repeats' noise and their priors let them. noise: the repeats' sd.
     """
 
     shift: FloatArray
     left: FloatArray
+    noise: FloatArray
 
     @classmethod
     def of(cls, shift: FloatArray, jacobian: FloatArray, noise: FloatArray) -> Explained:
         """From a shift, the base model's ``jacobian`` (entries, parameters in prior sds) and the covariance of the
-        ``noise`` (entries, entries)."""
+        repeats' ``noise`` (entries, entries)."""
         weighed = np.linalg.solve(noise, jacobian)
         taken = np.linalg.solve(np.eye(jacobian.shape[1]) + jacobian.T @ weighed, weighed.T @ shift)
-        return cls(shift, shift - jacobian @ taken)
+        return cls(shift, shift - jacobian @ taken, np.sqrt(np.diag(noise)))
+
+    def at(self, index: np.ndarray) -> Explained:
+        """Of these entries."""
+        return Explained(self.shift[index], self.left[index], self.noise[index])
 
 
 @dataclass(frozen=True)
@@ -92,16 +97,16 @@ def localise(
     observable_p = {
         name: float(p_values[i]) for i, (name, split) in enumerate(tests) if split.factor == "all"
     }
-    excess, least, left = ratio - null.mean(axis=0), 0.0, None
+    excess, least, said = ratio - null.mean(axis=0), 0.0, None
     if explained is not None:
         level, least = 1.0, LEAST
-        excess, left = entries.excess(data, cells, explained.shift), explained.left[entries.index]
+        excess, said = entries.excess(data, cells, explained.shift), explained.at(entries.index)
     rows = []
     for name in names:
         found = (
             _place(name, tests, masks, excess, p_values, level)
-            if left is None
-            else _where_it_acts(name, tests, masks, excess, left)
+            if said is None
+            else _where_it_acts(name, tests, masks, excess, said)
         )
         if found is not None:
             test, index = found
@@ -139,27 +144,29 @@ def _place(
 
 
 def _where_it_acts(
-    name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, excess: FloatArray, left: FloatArray
+    name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, excess: FloatArray, said: Explained
 ) -> tuple[Split, int] | None:
     """Where what is known to act on an observable does, or None where it does nothing there.
 
-    excess (entries,): what it does, squared over the repeats' variance; left (entries,): what calibration leaves of it.
-    The split whose two means say most of the latter, by the side that holds more of the former; "all" where one mean
-    says nearly as much.
+    excess (entries,): what it does, squared over the repeats' variance. The split whose two means say most of what
+    calibration leaves of it (of all it does, where less than noise is left), by the side that holds more of the excess
+    unless that is nearly all there is; "all" where one mean says nearly as much.
     """
     mine = [i for i, (observable, _) in enumerate(tests) if observable == name]
     every = next((i for i in mine if tests[i][1].factor == "all"), None)
     if every is None or not masks[every] @ excess > 0.0:
         return None
-    size, total = float(masks[every].sum()), float(masks[every] @ left)
-    said = {every: total**2 / size}
+    pattern = said.left if masks[every] @ (said.left / said.noise) ** 2 > 1.0 else said.shift
+    size, total = float(masks[every].sum()), float(masks[every] @ pattern)
+    told = {every: total**2 / size}
     for i in mine:
-        inside, part = float(masks[i] @ left), float(masks[i].sum())
+        inside, part = float(masks[i] @ pattern), float(masks[i].sum())
         if 0.0 < part < size:
-            said[i] = inside**2 / part + (total - inside) ** 2 / (size - part)
-    most = max(said.values())
-    if said[every] >= NEARLY * most:
+            told[i] = inside**2 / part + (total - inside) ** 2 / (size - part)
+    most = max(told.values())
+    if told[every] >= NEARLY * most:
         return tests[every][1], every
-    sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
+    sides = [i for i, value in told.items() if value >= (1.0 - 1e-9) * most]
+    sides = [i for i in sides if masks[i].sum() <= MOSTLY_ALL * size] or sides
     best = max(sides, key=lambda i: float(masks[i] @ excess))
     return tests[best][1], best

@@ -22,11 +22,18 @@ BIN = re.compile(r"_p([\d.e+-]+(?:inf)?N|unknown)$")  # the preload bin that a c
 class RepeatVariance:
     """Pooled variance of one observable within (condition, session).
 
-    variance: in the square of the values' unit, not-a-number without degrees of freedom; dof.
+    variance: of a run whose own uncertainty is the usual one, in the square of the values' unit, not-a-number without
+    degrees of freedom; dof. own: how much of it is that uncertainty, as far as it was told.
     """
 
     variance: float
     dof: int
+    own: float = 0.0
+
+    @property
+    def beyond(self) -> float:
+        """What repeats scatter by beyond what each of them is known by."""
+        return self.variance - self.own
 
 
 def preload_bins(conditions: Sequence[str], preload: FloatArray) -> np.ndarray:
@@ -53,9 +60,10 @@ def pooled_variance(
     ``values`` do not count. Contract: "Repeat variance". With ``own`` (runs,), the variance that each run has by
     itself, runs weigh as they are known, lest one that is hardly known stretch the ruler for all: what they scatter
     beyond it is such that their weighed squares are as large as their degrees of freedom (Paule & Mandel 1982,
-    doi:10.6028/jres.087.022), and the variance is that of a run whose own is the median.
+    doi:10.6028/jres.087.022), and the variance is that of a run whose own is the median. Runs whose own is not finite
+    do not count, either.
     """
-    use = np.isfinite(values)
+    use = np.isfinite(values) & (True if own is None else np.isfinite(own))
     rows = _Rows(values[use], np.nan_to_num(friction_before[use]), groups[use], bins[use])
     if rows.dof <= 0:
         return RepeatVariance(np.nan, 0)
@@ -67,9 +75,13 @@ def pooled_variance(
     def beyond(scatter: float) -> float:
         return rows.squares(1.0 / (alone + scatter)) - rows.dof
 
-    least = LEAST_SCATTER * plain
-    scatter = float(brentq(beyond, least, plain)) if beyond(least) > 0.0 > beyond(plain) else least
-    return RepeatVariance(scatter + float(np.median(alone)), rows.dof)
+    scatter = LEAST_SCATTER * plain
+    if beyond(plain) >= 0.0:  # rounding, where none has an own
+        scatter = plain
+    elif beyond(scatter) > 0.0:
+        scatter = float(brentq(beyond, scatter, plain, xtol=1e-6 * plain))
+    usual = float(np.median(alone))
+    return RepeatVariance(scatter + usual, rows.dof, usual)
 
 
 class _Rows:
@@ -112,34 +124,34 @@ def centred(values: FloatArray, groups: FloatArray, weights: FloatArray | None =
     return found
 
 
-def run_variance(
+def usual_scatter(
     repeat: RepeatVariance, sd: FloatArray, usable: np.ndarray, thresholds: Mapping[str, Any], block: str
-) -> FloatArray:
-    """Variance of a single run (runs,): each run's own extractor variance plus what repeats scatter beyond it."""
-    own = sd**2
-    typical = float(np.median(own[usable]))
+) -> float:
+    """What runs scatter by beyond what each is known by (``sd``, (runs,)), drawn to what is expected where repeats are
+    few."""
+    typical = float(np.median(sd[usable] ** 2))
     prior = typical + thresholds["repeat_sd"].get(block, 0.02) ** 2
     total = shrunk_variance(repeat, prior, thresholds["repeat_prior_dof"])
-    return np.maximum(total - typical, 0.1 * total) + own
+    return max(total - typical, 0.1 * total)
 
 
-def session_share(
+def scatter_by_session(
+    usual: float,
     spread: FloatArray,
-    pooled: RepeatVariance,
     conditions: RunConditions,
     groups: np.ndarray,
     bins: np.ndarray,
-    alone: FloatArray | None = None,
+    own: FloatArray,
 ) -> FloatArray:
-    """Each run's session's variance over the pooled one, (runs,): what shakes a bench on one day, a line of mains or
-    a pump, leaves it alone on the next. Drawn to the pooled one where a session has few repeats, and never below it: a
-    few repeats that happen to agree are no quiet day."""
-    share = np.ones(len(conditions))
-    if pooled.dof == 0 or not pooled.variance > 0:
-        return share
+    """The scatter of each run's session (runs,), where all have ``usual`` and each run its ``own`` besides: what shakes
+    a bench on one day, a line of mains or a pump, leaves it alone on the next. Drawn to the usual one where a session
+    has few repeats, and never below it: a few repeats that happen to agree are no quiet day."""
+    found = np.full(len(conditions), usual)
     sessions = np.array(conditions.session, dtype=object)
     for name in dict.fromkeys(conditions.session):
         rows = sessions == name
-        own = pooled_variance(np.where(rows, spread, np.nan), conditions.friction_before, groups, bins, alone)
-        share[rows] = max(1.0, shrunk_variance(own, pooled.variance, SESSION_DOF) / pooled.variance)
-    return share
+        there = pooled_variance(np.where(rows, spread, np.nan), conditions.friction_before, groups, bins, own)
+        if there.dof > 0:
+            drawn = (there.dof * there.beyond + SESSION_DOF * usual) / (there.dof + SESSION_DOF)
+            found[rows] = max(usual, drawn)
+    return found

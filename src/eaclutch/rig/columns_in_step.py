@@ -13,6 +13,7 @@ from eaclutch.records import FloatArray
 
 GAP = 2.5  # sample spacings: time between two samples that is none of sampling
 STUCK = 200  # samples of one and the same force
+COARSE = 0.1  # of the samples that read zero as they pass through: more would make the tail longer than what was lost
 FEWEST = 8  # zeros at the end that chance does not make
 
 
@@ -36,7 +37,9 @@ def lost_lines(values: FloatArray) -> int:
     if tail < FEWEST:
         return 0
     body = values[: nonzero[-1] + 1]
-    return tail if np.mean(body == 0) < 0.01 or _longest(body == 0) < min(STUCK, tail / 2) else 0
+    share = np.mean(body == 0)
+    coarse = share < COARSE and _longest(body == 0) < min(STUCK, tail / 2)
+    return tail if share < 0.01 or coarse else 0
 
 
 def _longest(true: np.ndarray) -> int:

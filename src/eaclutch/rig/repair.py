@@ -92,29 +92,28 @@ def _in_step(recording: Recording, lost: int, finishes: bool | None) -> Whole:
     off_shift = np.nan if drop is None else (events.off - drop) / step
     on_shift = np.nan if rise is None or rise.sd > RISE_SD else (events.on - rise.value) / step
 
-    def falls(shift: float, later: float = 0.0) -> bool:
-        return -AFTER_OFF / step < off_shift + later / step - shift < BEFORE_OFF / step
-
     def rises(shift: float) -> bool:
         return abs(on_shift - shift) < AROUND_ON / step
 
+    def falls(shift: float, later: float) -> bool:
+        return -AFTER_OFF / step < off_shift + later / step - shift < BEFORE_OFF / step
+
     before = 0.0 if rises(0) else on_shift
-    torn = drop is not None and is_torn(time[:kept], force[:kept], drop)
-    if events.left_open and finishes is None:
+    # lost before the voltage came: nothing stands in its place since
+    all_before = rises(lost) and not rises(0)
+    later = [0.0]
+    if events.left_open and (finishes is None or all_before):
         # what was lost may be as long as a half wave that the drive finished, or did not
-        ends = (
-            find_events(recording, in_step=False, finishes=choice).off - events.off
-            for choice in (True, False)
-        )
-        fits = {shift for end in ends for shift in (0, lost) if falls(shift, end)}
-        if len(fits) > 1:
-            return Whole(_flagged(recording, "force_not_in_step"), before, np.nan, True)
-    if falls(0) and not torn:
-        # nothing was lost before release: all is in step until then
-        return Whole(_flagged(recording, "force_in_step_until_release"))
-    if torn or not falls(lost):
+        ends = [find_events(recording, in_step=False, finishes=choice).off for choice in (True, False)]
+        later = [end - events.off for end in ends]
+    shifts = (lost,) if all_before else (0, lost)
+    fits = [shift for shift in shifts if any(falls(shift, end) for end in later)]
+    if len(fits) != 1 or drop is None or is_torn(time[:kept], force[:kept], drop):
         # lost in several places, or not to be told: the events' own times in the force are all there is
         return Whole(_flagged(recording, "force_not_in_step"), before, off_shift, True)
+    if fits[0] == 0:
+        # nothing was lost before release: all is in step until then
+        return Whole(_flagged(recording, "force_in_step_until_release"))
     if rises(lost):
         # everything was lost before the voltage: all of that moves
         start = int(np.searchsorted(time, events.on - 0.6)) - lost
