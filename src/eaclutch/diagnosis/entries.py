@@ -85,7 +85,7 @@ def build(
             if other.variance < repeat.variance:
                 repeat, spread = other, scaled - explained[i]
         usual = usual_scatter(repeat, sd, np.isfinite(scaled), thresholds, channel.block)
-        variance = own + scatter_by_session(usual, spread, conditions, groups, bins, own)
+        variance = own + scatter_by_session(usual, repeat, spread, conditions, groups, bins, own)
         entries += _entries(scaled, variance, groups, len(kept))
         kept.append(channel)
         repeats[channel.name] = repeat

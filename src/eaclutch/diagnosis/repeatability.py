@@ -14,6 +14,7 @@ from eaclutch.records import FloatArray, RunConditions
 from eaclutch.rig.table import PRELOAD_EDGES
 
 LEAST_SCATTER = 1e-3  # of the plain variance: repeats that agree better than each is known
+LEAST_SHARE = 0.1  # of a run's variance, that its repeats scatter by beyond what it is known by
 SESSION_DOF = 2.0  # what the pooled repeat variance weighs against a session's own
 BIN = re.compile(r"_p([\d.e+-]+(?:inf)?N|unknown)$")  # the preload bin that a condition's name ends in
 
@@ -112,7 +113,7 @@ def shrunk_variance(repeat: RepeatVariance, prior_variance: float, prior_dof: fl
     """Repeat variance drawn towards what is expected a priori, the more so the fewer the repeats."""
     if repeat.dof == 0:
         return prior_variance
-    return (repeat.dof * repeat.variance + prior_dof * prior_variance) / (repeat.dof + prior_dof)
+    return _drawn(repeat.variance, repeat.dof, prior_variance, prior_dof)
 
 
 def centred(values: FloatArray, groups: FloatArray, weights: FloatArray | None = None) -> FloatArray:
@@ -132,26 +133,35 @@ def usual_scatter(
     typical = float(np.median(sd[usable] ** 2))
     prior = typical + thresholds["repeat_sd"].get(block, 0.02) ** 2
     total = shrunk_variance(repeat, prior, thresholds["repeat_prior_dof"])
-    return max(total - typical, 0.1 * total)
+    return max(total - typical, LEAST_SHARE * total)
 
 
 def scatter_by_session(
     usual: float,
+    pooled: RepeatVariance,
     spread: FloatArray,
     conditions: RunConditions,
     groups: np.ndarray,
     bins: np.ndarray,
     own: FloatArray,
 ) -> FloatArray:
-    """The scatter of each run's session (runs,), where all have ``usual`` and each run its ``own`` besides: what shakes
-    a bench on one day, a line of mains or a pump, leaves it alone on the next. Drawn to the usual one where a session
-    has few repeats, and never below it: a few repeats that happen to agree are no quiet day."""
+    """The scatter of each run's session (runs,), where ``pooled`` of all comes to ``usual`` and each run has its
+    ``own`` besides: what shakes a bench on one day, a line of mains or a pump, leaves it alone on the next. Drawn to
+    the usual one where a session has few repeats, and never below it: a few repeats that happen to agree are no quiet
+    day."""
     found = np.full(len(conditions), usual)
     sessions = np.array(conditions.session, dtype=object)
+    ruler = max(pooled.beyond, LEAST_SHARE * pooled.variance)
+    if pooled.dof == 0 or not ruler > 0.0:
+        return found
     for name in dict.fromkeys(conditions.session):
         rows = sessions == name
         there = pooled_variance(np.where(rows, spread, np.nan), conditions.friction_before, groups, bins, own)
-        if there.dof > 0:
-            drawn = (there.dof * there.beyond + SESSION_DOF * usual) / (there.dof + SESSION_DOF)
-            found[rows] = max(usual, drawn)
+        drawn = ruler if there.dof == 0 else _drawn(there.beyond, there.dof, ruler, SESSION_DOF)
+        found[rows] = usual * max(1.0, drawn / ruler)
     return found
+
+
+def _drawn(variance: float, dof: float, expected: float, weight: float) -> float:
+    """A variance of ``dof`` degrees of freedom drawn to what is expected, which weighs as ``weight`` of them."""
+    return (dof * variance + weight * expected) / (dof + weight)
