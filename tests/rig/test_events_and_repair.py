@@ -257,7 +257,9 @@ def test_a_hole_that_swallows_the_release_leaves_no_release_time(ends):
     assert np.isnan(found["release_time_50_s"]) and "force_not_in_step" in found["flags"]
 
 
-@given(start=st.integers(3_000, 88_000), count=st.integers(8, 9_000) | st.integers(8, 60), seed=st.integers(0, 3))
+@given(
+    start=st.integers(3_000, 88_000), count=st.integers(8, 9_000) | st.integers(8, 60), seed=st.integers(0, 3)
+)
 @settings(max_examples=25, deadline=None)
 def test_wherever_lines_were_lost_the_release_is_right_or_missing(start, count, seed):
     shape = Made(frequency=0.1, capacity=0.5, hold=0.47)
