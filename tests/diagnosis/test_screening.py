@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from eaclutch.diagnosis.channels import CHANNELS
-from eaclutch.diagnosis.repeatability import pooled_variance, scatter_by_session
+from eaclutch.diagnosis.repeatability import pooled_variance, session_share
 from eaclutch.diagnosis.screening import (
     misplaced,
     moved_into_step,
@@ -78,24 +78,10 @@ def test_a_shaking_session_counts_less_and_a_lucky_one_no_more():
     values, zero = rng.normal(0.0, sd), np.zeros(groups.size)
     bins = np.zeros(groups.size, dtype=int)
     conditions = Runs(tuple(session), zero)
-    pooled = pooled_variance(values, zero, groups, bins, zero)
-    found = scatter_by_session(pooled.beyond, pooled, values, conditions, groups, bins, zero)
-    assert np.all(found[session == "calm"] == pooled.variance)
-    assert found[session == "shaky"].mean() == pytest.approx(0.25, rel=0.4)
-
-
-def test_a_session_of_runs_that_are_less_well_known_shakes_no_more():
-    """All scatter by 0.02; what each run is known by, 0.01 or 0.3, is no scatter of its session."""
-    rng = np.random.default_rng(3)
-    groups = np.repeat(np.arange(60), 3)
-    known = np.where(groups < 30, 0.01, 0.3)
-    conditions = Runs(tuple(np.where(groups < 30, "A", "B")), np.zeros(groups.size))
-    values = rng.normal(0.0, np.hypot(0.02, known))
-    bins = np.zeros(groups.size, dtype=int)
-    pooled = pooled_variance(values, np.zeros(groups.size), groups, bins, known**2)
-    found = scatter_by_session(0.02**2, pooled, values, conditions, groups, bins, known**2)
-    assert np.all(found[groups < 30] < 2 * 0.02**2)
-    assert np.all(np.sqrt(found + known**2)[groups >= 30] < 1.3 * 0.3)
+    pooled = pooled_variance(values, zero, groups, bins)
+    share = session_share(values, pooled, conditions, groups, bins)
+    assert np.all(share[session == "calm"] == 1.0)
+    assert share[session == "shaky"].mean() * pooled.variance == pytest.approx(0.25, rel=0.4)
 
 
 def weighed(effects, evidence, without=0.0):

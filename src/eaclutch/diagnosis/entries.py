@@ -14,10 +14,11 @@ from eaclutch.diagnosis.channels import Channel
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.repeatability import (
     RepeatVariance,
+    hardly_known,
     pooled_variance,
     preload_bins,
-    scatter_by_session,
-    usual_scatter,
+    run_variance,
+    session_share,
 )
 from eaclutch.diagnosis.run_settings import run_features
 from eaclutch.diagnosis.screening import (
@@ -78,14 +79,15 @@ def build(
             scaled = np.where(contradicted, np.nan, scaled)
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
-        own, spread = sd**2, scaled
-        repeat = pooled_variance(scaled, conditions.friction_before, groups, bins, own)
+        vague = hardly_known(scaled, sd**2, conditions.friction_before, groups, bins)
+        spread = np.where(vague, np.nan, scaled)
+        repeat = pooled_variance(spread, conditions.friction_before, groups, bins)
         if explained is not None:
-            other = pooled_variance(scaled - explained[i], conditions.friction_before, groups, bins, own)
+            other = pooled_variance(spread - explained[i], conditions.friction_before, groups, bins)
             if other.variance < repeat.variance:
-                repeat, spread = other, scaled - explained[i]
-        usual = usual_scatter(repeat, sd, np.isfinite(scaled), thresholds, channel.block)
-        variance = own + scatter_by_session(usual, repeat, spread, conditions, groups, bins, own)
+                repeat, spread = other, spread - explained[i]
+        variance = run_variance(repeat, sd, np.isfinite(scaled), thresholds, channel.block)
+        variance = variance * session_share(spread, repeat, conditions, groups, bins)
         entries += _entries(scaled, variance, groups, len(kept))
         kept.append(channel)
         repeats[channel.name] = repeat
