@@ -103,3 +103,20 @@ def without_lines(column: np.ndarray, *holes: tuple[int, int]) -> np.ndarray:
         keep[at : at + count] = False
     kept = column[keep]
     return np.concatenate([kept, np.zeros(len(column) - len(kept))])
+
+
+def made(seed: int = 0, **changes):
+    return make_run(Made(**changes), np.random.default_rng(seed))
+
+
+def grounded_since(recording, on, frequency, seconds):
+    """The recording with polarity edges so that the sensed electrode is grounded ``seconds`` before voltage off."""
+    half = 0.5 / frequency
+    driven = recording.flag > 0.5
+    waves = np.floor((recording.time - on + seconds) / half).astype(int)
+    return replace(recording, voltage=np.where(driven & (waves % 2 == 1), 300.0, 2.0))
+
+
+def on_of(recording):
+    """When the flag rises [s]."""
+    return float(recording.time[recording.flag > 0.5][0]) - 0.5 * STEP

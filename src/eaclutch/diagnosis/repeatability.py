@@ -12,7 +12,7 @@ import numpy as np
 from eaclutch.records import FloatArray, RunConditions
 from eaclutch.rig.table import PRELOAD_EDGES
 
-HARDLY_KNOWN = 2.0  # times the pooled variance
+HARDLY_KNOWN = 3.0  # times the pooled variance
 SESSION_DOF = 2.0  # what the pooled repeat variance weighs against a session's own
 BIN = re.compile(r"_p([\d.e+-]+(?:inf)?N|unknown)$")  # the preload bin that a condition's name ends in
 
