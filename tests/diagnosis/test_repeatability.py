@@ -3,13 +3,7 @@
 import numpy as np
 import pytest
 
-from eaclutch.diagnosis.repeatability import (
-    RepeatVariance,
-    hardly_known,
-    pooled_variance,
-    preload_bins,
-    shrunk_variance,
-)
+from eaclutch.diagnosis.repeatability import RepeatVariance, pooled_variance, preload_bins, shrunk_variance
 
 
 def test_condition_means_and_preload_do_not_count_as_scatter():
@@ -28,24 +22,6 @@ def test_a_missing_value_costs_one_degree_of_freedom():
     found = pooled_variance(values, np.zeros(5), groups, np.zeros(5, dtype=int))
     assert found.dof == 2
     assert found.variance == pytest.approx((0.5 + 2.0) / 2)
-
-
-def test_a_run_that_is_hardly_known_says_nothing_of_how_repeats_scatter():
-    """Sixty runs that scatter by 5 %, one of a dying load cell, a third of the others and known to a half."""
-    rng = np.random.default_rng(1)
-    groups, zero = np.repeat(np.arange(20), 3), np.zeros(60, dtype=int)
-    sd = rng.uniform(0.01, 0.06, 60)  # a run may well be known less well than repeats scatter
-    values = rng.normal(0.0, np.hypot(0.05, sd))
-    assert not hardly_known(values, sd**2, zero, groups, zero).any()
-    values[30], sd[30] = -1.5, 0.5
-    vague = hardly_known(values, sd**2, zero, groups, zero)
-    assert np.flatnonzero(vague).tolist() == [30]
-    rest = pooled_variance(np.where(vague, np.nan, values), zero, groups, zero)
-    assert rest.dof == 39 and np.sqrt(rest.variance) < 0.1 < np.sqrt(
-        pooled_variance(values, zero, groups, zero).variance
-    )
-    lonely = np.arange(60)
-    assert not hardly_known(values, sd**2, zero, lonely, zero).any()  # nothing is known of any scatter
 
 
 def test_no_repeats_fall_back_on_the_prior():

@@ -14,7 +14,6 @@ from eaclutch.diagnosis.channels import Channel
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.repeatability import (
     RepeatVariance,
-    hardly_known,
     pooled_variance,
     preload_bins,
     run_variance,
@@ -79,13 +78,11 @@ def build(
             scaled = np.where(contradicted, np.nan, scaled)
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
-        vague = hardly_known(scaled, sd**2, conditions.friction_before, groups, bins)
-        spread = np.where(vague, np.nan, scaled)
-        repeat = pooled_variance(spread, conditions.friction_before, groups, bins)
+        repeat, spread = pooled_variance(scaled, conditions.friction_before, groups, bins), scaled
         if explained is not None:
-            other = pooled_variance(spread - explained[i], conditions.friction_before, groups, bins)
+            other = pooled_variance(scaled - explained[i], conditions.friction_before, groups, bins)
             if other.variance < repeat.variance:
-                repeat, spread = other, spread - explained[i]
+                repeat, spread = other, scaled - explained[i]
         variance = run_variance(repeat, sd, np.isfinite(scaled), thresholds, channel.block)
         variance = variance * session_share(spread, repeat, conditions, groups, bins)
         entries += _entries(scaled, variance, groups, len(kept))

@@ -12,7 +12,6 @@ import numpy as np
 from eaclutch.records import FloatArray, RunConditions
 from eaclutch.rig.table import PRELOAD_EDGES
 
-HARDLY_KNOWN = 3.0  # times the pooled variance
 SESSION_DOF = 2.0  # what the pooled repeat variance weighs against a session's own
 BIN = re.compile(r"_p([\d.e+-]+(?:inf)?N|unknown)$")  # the preload bin that a condition's name ends in
 
@@ -63,19 +62,6 @@ def pooled_variance(
             dof -= 1
     variance = float(residual @ residual) / dof if dof > 0 else np.nan
     return RepeatVariance(variance, max(dof, 0))
-
-
-def hardly_known(
-    values: FloatArray,
-    own: FloatArray,
-    friction_before: FloatArray,
-    groups: FloatArray,
-    bins: FloatArray,
-) -> np.ndarray:
-    """Runs (runs,) whose ``own`` variance (runs,) alone is several times what all scatter by: they say nothing of that,
-    and one of them that lies far off, as of a dying load cell, would stretch the ruler for all."""
-    plain = pooled_variance(values, friction_before, groups, bins).variance
-    return np.isfinite(values) & (own > HARDLY_KNOWN * plain)
 
 
 def shrunk_variance(repeat: RepeatVariance, prior_variance: float, prior_dof: float) -> float:
