@@ -19,6 +19,7 @@ import numpy as np
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.gate import max_statistic
+from eaclutch.diagnosis.gaussian import Linearised, posterior_mean
 from eaclutch.diagnosis.placing import Entries
 from eaclutch.diagnosis.splits import Split, settings_of, splits_of
 from eaclutch.records import FloatArray
@@ -47,8 +48,7 @@ class Explained:
     def of(cls, shift: FloatArray, jacobian: FloatArray, noise: FloatArray) -> Explained:
         """From a shift, the base model's ``jacobian`` (entries, parameters in prior sds) and the covariance of the
         repeats' ``noise`` (entries, entries)."""
-        weighed = np.linalg.solve(noise, jacobian)
-        taken = np.linalg.solve(np.eye(jacobian.shape[1]) + jacobian.T @ weighed, weighed.T @ shift)
+        taken = posterior_mean(Linearised(shift, jacobian, noise))
         return cls(shift, shift - jacobian @ taken, np.sqrt(np.diag(noise)))
 
     def at(self, index: np.ndarray) -> Explained:
@@ -97,16 +97,16 @@ def localise(
     observable_p = {
         name: float(p_values[i]) for i, (name, split) in enumerate(tests) if split.factor == "all"
     }
-    excess, least, said = ratio - null.mean(axis=0), 0.0, None
+    excess, least = ratio - null.mean(axis=0), 0.0
     if explained is not None:
         level, least = 1.0, LEAST
-        excess, said = entries.excess(data, cells, explained.shift), explained.at(entries.index)
+        excess, explained = entries.excess(data, cells, explained.shift), explained.at(entries.index)
     rows = []
     for name in names:
         found = (
             _place(name, tests, masks, excess, p_values, level)
-            if said is None
-            else _where_it_acts(name, tests, masks, excess, said)
+            if explained is None
+            else _where_it_acts(name, tests, masks, excess, explained)
         )
         if found is not None:
             test, index = found
@@ -144,7 +144,7 @@ def _place(
 
 
 def _where_it_acts(
-    name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, excess: FloatArray, said: Explained
+    name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, excess: FloatArray, explained: Explained
 ) -> tuple[Split, int] | None:
     """Where what is known to act on an observable does, or None where it does nothing there.
 
@@ -156,17 +156,18 @@ def _where_it_acts(
     every = next((i for i in mine if tests[i][1].factor == "all"), None)
     if every is None or not masks[every] @ excess > 0.0:
         return None
-    pattern = said.left if masks[every] @ (said.left / said.noise) ** 2 > 1.0 else said.shift
+    felt = float(masks[every] @ (explained.left / explained.noise) ** 2)
+    pattern = explained.left if felt > 1.0 else explained.shift
     size, total = float(masks[every].sum()), float(masks[every] @ pattern)
-    told = {every: total**2 / size}
+    said = {every: total**2 / size}
     for i in mine:
         inside, part = float(masks[i] @ pattern), float(masks[i].sum())
         if 0.0 < part < size:
-            told[i] = inside**2 / part + (total - inside) ** 2 / (size - part)
-    most = max(told.values())
-    if told[every] >= NEARLY * most:
+            said[i] = inside**2 / part + (total - inside) ** 2 / (size - part)
+    most = max(said.values())
+    if said[every] >= NEARLY * most:
         return tests[every][1], every
-    sides = [i for i, value in told.items() if value >= (1.0 - 1e-9) * most]
+    sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
     sides = [i for i in sides if masks[i].sum() <= MOSTLY_ALL * size] or sides
     best = max(sides, key=lambda i: float(masks[i] @ excess))
     return tests[best][1], best
