@@ -21,7 +21,7 @@ DAMPING = np.array(
     [0.0, 0.3, 3.0, 30.0, 300.0]
 )  # Levenberg-Marquardt, of the Hessian's diagonal; tried at once
 LARGEST_STEP = 3.0  # prior sds a parameter may move at once
-ITERATIONS = 8
+ITERATIONS = 20
 STEEP = 1.0  # change of an entry per prior sd that is looked at from the other side too
 ENOUGH = 0.05  # nats of predicted gain below which a fit ends
 LITTLE = 1.0  # nats of predicted gain below which one that had to end has converged

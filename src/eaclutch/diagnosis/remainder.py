@@ -13,13 +13,15 @@ from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.evidence import NEGLIGIBLE, unrealised
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised, log_normal
-from eaclutch.diagnosis.hypothesis import HypothesisFit
+from eaclutch.diagnosis.hypothesis import HypothesisFit, form_signature
 from eaclutch.diagnosis.mode import Mode, find_mode
 from eaclutch.diagnosis.modulated import modulated_fit
 from eaclutch.diagnosis.nameless import Nameless, nameless_fit
 from eaclutch.records import FloatArray
 
 WORTH_A_REFIT = 3.0  # nats that a linearised fit promises and does not keep
+ROUNDS = 4  # of smooth terms and fits beside each other, around a large gap
+WORTH_A_ROUND = 0.5  # nats that a round has to gain
 PLACES = 3  # where a law is looked for: at the fit, then where the law itself puts it
 
 
@@ -47,7 +49,9 @@ def with_remainder(
         nameless = nameless_fit(fitted.linearised, data, kernels, thresholds, fitted.form)
     share = float(thresholds["modulated"]["share"])
     here = _Place(fitted.mode, fitted.linearised.w, fitted.linearised.jacobian)
-    smooth, _ = _kept(forward, data, here, nameless.linearised, nameless.log_evidence)
+    smooth, there = _kept(forward, data, here, nameless.linearised, nameless.log_evidence)
+    if fitted.multipliers[0] > max(thresholds["multipliers"]["tolerance"]["values"]):
+        smooth, nameless = _settled(forward, data, kernels, thresholds, smooth, nameless, there)
     smooth += np.log1p(-share)
     found, laws = Remainder(float(smooth), nameless.discrepancy), -np.inf
     covariance = kernels.total(
@@ -76,6 +80,36 @@ class _Place:
     w: FloatArray
     jacobian: FloatArray
 
+    @classmethod
+    def fitted(cls, forward: Forward, data: DataVector, covariance: FloatArray, u: FloatArray) -> _Place:
+        """Where a fit from ``u`` (params,) with that covariance ends."""
+        mode = find_mode(forward, data.values, lambda theta: covariance, u)
+        return cls(mode, data.values - mode.predicted + mode.jacobian @ mode.u, mode.jacobian)
+
+
+def _settled(
+    forward: Forward,
+    data: DataVector,
+    kernels: Kernels,
+    thresholds: Mapping[str, Any],
+    evidence: float,
+    nameless: Nameless,
+    place: _Place,
+) -> tuple[float, Nameless]:
+    """Around a large gap: smooth terms and the fit beside them, each found anew beside the other until that gains
+    nothing. Fits at wide tolerances end far apart there; what a remainder says of them would depend on where."""
+    for _ in range(ROUNDS):
+        covariance = nameless.linearised.covariance
+        place = _Place.fitted(forward, data, covariance, place.mode.u)
+        form = form_signature(forward, place.mode.theta)
+        linearised = Linearised(place.w, place.jacobian, covariance)
+        again = nameless_fit(linearised, data, kernels, thresholds, form)
+        kept = again.log_evidence - unrealised(forward, data, place.mode, again.linearised)
+        if kept < evidence + WORTH_A_ROUND:
+            break
+        evidence, nameless = kept, again
+    return evidence, nameless
+
 
 def _kept(
     forward: Forward, data: DataVector, place: _Place, linearised: Linearised, promised: float
@@ -85,9 +119,8 @@ def _kept(
     lost = unrealised(forward, data, place.mode, linearised)
     if lost < WORTH_A_REFIT:
         return promised - lost, place
-    mode = find_mode(forward, data.values, lambda theta: linearised.covariance, place.mode.u)
-    w = data.values - mode.predicted + mode.jacobian @ mode.u
-    again = Linearised(w, mode.jacobian, linearised.covariance)
-    gain = log_normal(w, again.marginal()) - log_normal(linearised.w, linearised.marginal())
-    kept = promised + max(gain - unrealised(forward, data, mode, again), -lost)
-    return kept, _Place(mode, w, mode.jacobian)
+    there = _Place.fitted(forward, data, linearised.covariance, place.mode.u)
+    again = Linearised(there.w, there.jacobian, linearised.covariance)
+    gain = log_normal(there.w, again.marginal()) - log_normal(linearised.w, linearised.marginal())
+    kept = promised + max(gain - unrealised(forward, data, there.mode, again), -lost)
+    return kept, there

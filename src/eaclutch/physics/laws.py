@@ -19,6 +19,7 @@ Quantity = FloatArray | float
 VACUUM_PERMITTIVITY = 8.8541878128e-12  # F/m
 AIR_VISCOSITY = 1.85e-5  # Pa s
 GRAVITY = 9.81  # m/s2
+SHORTEST_EDGE = 1e-12  # s, a step
 
 
 def force_scale(pad: Pad, width: Quantity) -> FloatArray:
@@ -68,6 +69,13 @@ def permittivity(
     """Real part of the Cole-Cole permittivity (Cole & Cole 1941, doi:10.1063/1.1750906) at ``frequency`` [Hz]."""
     spread = (2j * np.pi * np.asarray(frequency) * relaxation_time) ** exponent
     return kappa_infinity + (np.asarray(kappa_static) - kappa_infinity) * (1.0 / (1.0 + spread)).real
+
+
+def kept_mean_square(time_constant: Quantity, half_period: Quantity) -> FloatArray:
+    """Mean square of a voltage that follows a square wave with ``time_constant`` [s], over the wave's own:
+    1 - tanh(x) / x with x = ``half_period`` / (2 time_constant); derived here."""
+    x = np.asarray(half_period) / (2.0 * np.maximum(time_constant, SHORTEST_EDGE))
+    return np.asarray(1.0 - np.tanh(x) / x)
 
 
 def mittag_leffler(exponent: float, y: float) -> float:

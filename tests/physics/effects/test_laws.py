@@ -220,31 +220,6 @@ def test_what_resists_parting_adds_to_what_is_there(name, fill):
     )
 
 
-def test_slow_drive_adds_to_the_drive_that_is_there(fill):
-    filled = fill(
-        "slow_drive", sockets=Sockets(rise_time_constant=4e-6, fall_time_constant=2e-6), resistance=1e5
-    )
-    np.testing.assert_allclose(filled.rise_time_constant, [7.5e-6, 7.5e-6, 11e-6, 7.5e-6])
-    np.testing.assert_allclose(filled.fall_time_constant, [5.5e-6, 5.5e-6, 9e-6, 5.5e-6])
-
-
-def test_a_slow_drive_costs_what_the_base_does_not_at_reversals(fill, inputs):
-    """Mean square of the exponential response to a square wave, by quadrature, beside the base's own."""
-    object.__setattr__(inputs.conditions, "frequency", np.full(4, 10e3))
-
-    def mean_square(time_constant: float, half: float = 50e-6) -> float:
-        t = np.linspace(0.0, half, 200_001)
-        v = 1.0 - 2.0 * np.exp(-t / time_constant) / (1.0 + np.exp(-half / time_constant))
-        return float(np.trapezoid(v**2, t) / half)
-
-    drive = Sockets(rise_time_constant=4e-6, force_factor=2.0)
-    filled = fill("slow_drive", sockets=drive, resistance=3e5, reversal_ratio=1.0)
-    expected = 2.0 * mean_square(4e-6 + 3e5 * 35e-12) / mean_square(4e-6)
-    np.testing.assert_allclose(np.asarray(filled.force_factor)[0], expected, rtol=1e-8)
-    slow_on_and_off = fill("slow_drive", sockets=drive, resistance=3e5, reversal_ratio=1e-4)
-    np.testing.assert_allclose(slow_on_and_off.force_factor, 2.0, rtol=1e-4)
-
-
 def test_dipoles_keep_up_with_a_slow_edge(fill, inputs):
     # a lag of three relaxation times leaves a quarter of the relaxation after a step
     tau = float(inputs.parameters["relaxation_time"])

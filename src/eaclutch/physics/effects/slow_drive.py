@@ -13,12 +13,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from eaclutch.physics import laws
 from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
 REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
-SHORTEST = 1e-12  # s, a step
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
@@ -27,19 +27,13 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
     lag = values["resistance"] * inputs.capacitance * voltage ** np.asarray(values["voltage_exponent"])
     half = 0.5 / inputs.conditions.frequency
     slower = sockets.rise_time_constant + values["reversal_ratio"] * lag
-    kept = _mean_square(slower, half) / _mean_square(sockets.rise_time_constant, half)
+    kept = laws.kept_mean_square(slower, half) / laws.kept_mean_square(sockets.rise_time_constant, half)
     return sockets.with_(
         force_factor=sockets.force_factor * kept,
         rise_time_constant=sockets.rise_time_constant + lag,
         fall_time_constant=sockets.fall_time_constant + lag,
         field_lag=sockets.field_lag + lag,
     )
-
-
-def _mean_square(time_constant: FloatArray | float, half_period: FloatArray) -> FloatArray:
-    """Mean square over the drive's of a voltage that follows a square wave with ``time_constant`` [s]."""
-    x = half_period / (2.0 * np.maximum(time_constant, SHORTEST))
-    return np.asarray(1.0 - np.tanh(x) / x)
 
 
 EFFECT = Effect(
