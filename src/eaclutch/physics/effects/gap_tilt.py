@@ -5,11 +5,11 @@ together are taken as one uniform spread of their joint sd. Contact, attraction 
 A strip that is free to turn levels the closer preload and pull bring it to the film, and tilts again as the film lets
 go: the tilt is 1 / (1 + l F) of what it is far away, F what parallel faces would carry at that gap. A tilted strip
 carries more than that, and to take its own load would be a fixed point in every force. A mount that gives way once,
-under the preload, and keeps that place through the drive is aligned by the preload alone. The squeezed air, whose damping
-goes as 1 / h^3, sees a share of the spread: all of a lift along the strip, for it flows across, 0.3 of a tilt across,
-where it flows out at the open side (Reynolds' equation to the second order), and less where the strip turns as the film
-moves. So that share is free. The capacitance fixture, where the strip is pressed on the film by itself, has an unknown
-share of the spread, the same at every load."""
+under the preload, and keeps that place through the drive is aligned by the preload alone. The squeezed air, whose
+damping goes as 1 / h^3, sees a share of the spread: all of a lift along the strip, for it flows across, 0.3 of a tilt
+across, where it flows out at the open side (Reynolds' equation to the second order), and less where the strip turns
+as the film moves. So that share is free. The capacitance fixture, where the strip is pressed on the film by itself,
+has an unknown share of the spread, the same at every load."""
 
 from __future__ import annotations
 
