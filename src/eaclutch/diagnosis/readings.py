@@ -47,6 +47,11 @@ def of_the_reading(name: str) -> bool:
     return name.startswith(PREFIX) or name in PEAK_NAMES
 
 
+def of_the_readings(names: Sequence[str], u: FloatArray) -> dict[str, float]:
+    """Of parameters ``u`` (params,) those of the reading, by name."""
+    return {name: float(u[i]) for i, name in enumerate(names) if of_the_reading(name)}
+
+
 @dataclass(frozen=True)
 class Readings:
     """Sessions with an unknown zero, and which run holds which (runs,), -1 for none; ``peaks``: whether the

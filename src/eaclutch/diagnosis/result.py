@@ -151,7 +151,7 @@ def summarise(
     readings: Mapping[str, float],
     rng: np.random.Generator,
 ) -> CandidateResult:
-    """Score a fit on left-out conditions and by the absolute gate; ``readings``: ``Study.readings``."""
+    """Score a fit on left-out conditions and by the absolute gate; ``readings``: held while conditions are left out."""
     _, groups = condition_groups(data)
     left = leave_out(with_readings(fitted, readings), groups)
     # a tolerance as wide as the gap would let any fit pass the check

@@ -18,7 +18,7 @@ from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.diagnosis.mode import find_mode
 from eaclutch.diagnosis.nameless import Nameless, nameless_fit
 from eaclutch.diagnosis.prepared import PreparedCampaign, in_order
-from eaclutch.diagnosis.readings import of_the_reading
+from eaclutch.diagnosis.readings import of_the_readings
 from eaclutch.diagnosis.remainder import Remainder, with_remainder
 from eaclutch.diagnosis.result import CandidateResult, summarise
 
@@ -110,11 +110,9 @@ class Study(PreparedCampaign):
     def readings(self) -> dict[str, float]:
         """How the bench reads forces, {parameter: value in prior coordinates}, from where the base model holds.
 
-        A condition that is left out is still read by the same bench, and no hypothesis may bend a zero to explain
-        its gap away: what is left out is predicted with these.
+        A condition that is left out is still read by the same bench: what is left out is predicted with these.
         """
-        mean = posterior_mean(self.sound)
-        return {n: float(mean[i]) for i, n in enumerate(self.base.mode.names) if of_the_reading(n)}
+        return of_the_readings(self.base.mode.names, posterior_mean(self.sound))
 
     def fit(
         self,
@@ -145,9 +143,11 @@ class Study(PreparedCampaign):
         """Fit and score one hypothesis; ``seeds``: parameters to start from as well; ``beyond``, ``afresh``: as
         for fit."""
         fitted = self.fit(effects, seeds, beyond, afresh=afresh)
+        # effects have zeros of their own: the base model's bend with the gap that it leaves
+        readings = of_the_readings(fitted.mode.names, fitted.mode.u) if effects else self.readings
         result = summarise(
             fitted, self.forward(effects), self.data, self.cells, self._open(fitted), self._without(fitted),
-            self.readings, self.generator(7),
+            readings, self.generator(7),
         )  # fmt: skip
         if not effects and self.drift is not None:
             result = replace(result, repeat_drift=self.drift.evidence)
