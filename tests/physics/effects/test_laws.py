@@ -257,16 +257,6 @@ def test_spreads_of_the_gap_join_by_their_variances(fill):
     np.testing.assert_allclose(np.asarray(filled.gap_spread_sd)[0], 5e-6)
 
 
-def test_a_preload_aligns_the_clutch_and_not_the_fixture(fill):
-    """A newton halves the tilt: 1 / 1.2 of it is left at 0.2 N, 1 / 1.5 at 0.5 N."""
-    values, expected = CASES["gap_tilt"]
-    filled = fill("gap_tilt", **values | {"preload_levelling": 1.0})
-    left = np.array([1.2, 1.2, 1.5, 1.2]) * np.asarray(filled.gap_spread_sd)
-    np.testing.assert_allclose(left.ravel(), expected["gap_spread_sd"], rtol=2e-6)
-    fixture = np.broadcast_to(filled.fixture_gap_spread_sd, (4,))
-    np.testing.assert_allclose(fixture, expected["fixture_gap_spread_sd"], rtol=2e-6)
-
-
 def test_electrostriction_stops_at_half_the_film(fill, inputs):
     high = np.array([3000.0, 300.0, 150.0, 0.0])
     object.__setattr__(inputs.conditions, "voltage", high)

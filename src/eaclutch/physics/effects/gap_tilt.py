@@ -4,12 +4,11 @@ together are taken as one uniform spread of their joint sd. Contact, attraction 
 
 A strip that is free to turn levels the closer preload and pull bring it to the film, and tilts again as the film lets
 go: the tilt is 1 / (1 + l F) of what it is far away, F what parallel faces would carry at that gap. A tilted strip
-carries more than that, and to take its own load would be a fixed point in every force. A mount that gives way once,
-under the preload, and keeps that place through the drive is aligned by the preload alone. The squeezed air, whose
-damping goes as 1 / h^3, sees a share of the spread: all of a lift along the strip, for it flows across, 0.3 of a tilt
-across, where it flows out at the open side (Reynolds' equation to the second order), and less where the strip turns
-as the film moves. So that share is free. The capacitance fixture, where the strip is pressed on the film by itself,
-has an unknown share of the spread, the same at every load."""
+carries more than that, and to take its own load would be a fixed point in every force. The squeezed air, whose damping
+goes as 1 / h^3, sees a share of the spread: all of a lift along the strip, for it flows across, 0.3 of a tilt across,
+where it flows out at the open side (Reynolds' equation to the second order), and less where the strip turns as the film
+moves. So that share is free. The capacitance fixture, where the strip is pressed on the film by itself, has an unknown
+share of the spread, the same at every load."""
 
 from __future__ import annotations
 
@@ -23,16 +22,14 @@ from eaclutch.records import FloatArray
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """gap_spread_sd = sqrt((angle w_s)^2 + lift^2) / sqrt(12) / (1 + a P), P the preload, in quadrature with what is
-    there; the fixture's is a share of that without P."""
+    """gap_spread_sd = sqrt((angle w_s)^2 + lift^2) / sqrt(12), in quadrature with what is there."""
     across = values["angle"] * inputs.conditions.width
-    free = np.sqrt((across**2 + np.asarray(values["lift"]) ** 2) / 12.0)
-    spread = free / (1.0 + np.asarray(values["preload_levelling"]) * np.maximum(inputs.preload, 0.0))
+    spread = np.sqrt((across**2 + np.asarray(values["lift"]) ** 2) / 12.0)
     return sockets.with_(
         gap_spread_sd=np.hypot(sockets.gap_spread_sd, spread),
         gap_levelling=np.where(spread > 0.0, values["levelling"], sockets.gap_levelling),
         gap_in_air=np.where(spread > 0.0, values["air_share"], sockets.gap_in_air),
-        fixture_gap_spread_sd=np.hypot(sockets.fixture_gap_spread_sd, values["fixture_share"] * free),
+        fixture_gap_spread_sd=np.hypot(sockets.fixture_gap_spread_sd, values["fixture_share"] * spread),
     )
 
 
@@ -70,14 +67,6 @@ EFFECT = Effect(
             description="by how much it turns level for a newton that parallel faces would carry",
         ),
         Parameter(
-            "preload_levelling",
-            "1/N",
-            (0.0, 50.0),
-            0.0,
-            Prior("halfnormal", 1.0),
-            description="by how much a newton of preload aligns it before the drive, and for as long",
-        ),
-        Parameter(
             "air_share",
             "1",
             (0.0, 1.0),
@@ -97,7 +86,6 @@ EFFECT = Effect(
         "angle": rng.uniform(2e-4, 2e-3),
         "lift": rng.uniform(0.0, 8e-6),
         "levelling": rng.uniform(0.0, 0.5),
-        "preload_levelling": rng.uniform(0.0, 2.0),
         "air_share": rng.uniform(0.0, 1.0),
         "fixture_share": rng.uniform(0.0, 1.0),
     },
