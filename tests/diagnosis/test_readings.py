@@ -11,6 +11,7 @@ import pytest
 from diagnosis.simulated import BENCH, inputs
 from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.readings import Readings
+from eaclutch.diagnosis.result import summarise
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.physics.effects import BASE
@@ -75,6 +76,18 @@ def test_a_zero_that_leaves_a_session_no_preload_is_left_behind(monkeypatch):
     assert found.peak > stuck.peak + 2.0
     last = max(name for name in found.parameters if name.startswith("force_zero_"))
     assert found.parameters[last] < stuck.parameters[last] - 0.005
+
+
+def test_a_fit_with_effects_predicts_what_is_left_out_with_its_own_zeros(monkeypatch):
+    study = Study(inputs(), load_thresholds())
+    seen = Mock(side_effect=summarise)
+    monkeypatch.setattr("eaclutch.diagnosis.study.summarise", seen)
+    study.weigh(())
+    study.weigh(("trigger_latency",))
+    (_, *_, base, _), (fitted, *_, own, _) = (call.args for call in seen.call_args_list)
+    assert base == study.readings and set(own) == set(base)
+    mode = dict(zip(fitted.mode.names, fitted.mode.u.tolist(), strict=True))
+    assert own == {name: mode[name] for name in own} and own != base
 
 
 def test_effects_are_fitted_at_the_zeros_that_the_model_by_itself_has(monkeypatch):

@@ -110,7 +110,7 @@ class Study(PreparedCampaign):
     def readings(self) -> dict[str, float]:
         """How the bench reads forces, {parameter: value in prior coordinates}, from where the base model holds.
 
-        A condition that is left out is still read by the same bench: what is left out is predicted with these.
+        A condition that is left out is still read by the same bench: the base model predicts it with these.
         """
         return of_the_readings(self.base.mode.names, posterior_mean(self.sound))
 

@@ -3,7 +3,7 @@
 A drive that turns its polarity with the same edges passes through zero at each turn, and a film too slow to follow
 feels the mean square that is left of a square wave (15 % of the pull is lost at 10 kHz with the published rise).
 The base model's statement holds the voltage between on and off, and a bench may do either: how much of that loss there
-is, is calibrated."""
+is, the diagnosis calibrates; everything else leaves it out."""
 
 from __future__ import annotations
 
