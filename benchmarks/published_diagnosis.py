@@ -66,6 +66,7 @@ def main() -> None:
         for name, verdict in pool.imap_unordered(keep, jobs):
             print(name, verdict["effects"], f"{verdict['probability']:.2f}", flush=True)
     found = {name: read_json(path) for name, _, path in jobs}
+    found["full"]["left_out_levels_together"] = together(found["full"]["left_out_levels"])
     if chosen.record:
         command = "python benchmarks/published_diagnosis.py --campaign <published> --results results/published --record"
         record("published_checks", command, {"checks": found})
@@ -135,6 +136,20 @@ def left_out_levels(study: Study, found: Mapping[str, Any]) -> dict[str, Any]:
         }
         out[f"{factor} by observable"] = {
             str(name): _means(rows, np.flatnonzero(channel == name)) for name in np.unique(channel)
+        }
+    return out
+
+
+def together(levels: Mapping[str, Any]) -> dict[str, Any]:
+    """All levels of each factor in one: the means of its levels, weighed by their entries."""
+    out: dict[str, Any] = {}
+    for factor, rows in levels.items():
+        if factor.endswith(" by observable"):
+            continue
+        weights = [row["entries"] for row in rows.values()]
+        out[factor] = {
+            name: float(np.average([row[name] for row in rows.values()], weights=weights))
+            for name in ("base", "verdict", "nameless", "verdict_carried")
         }
     return out
 

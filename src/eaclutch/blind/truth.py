@@ -27,7 +27,7 @@ from eaclutch.blind.loadtrain import (
 )
 from eaclutch.blind.plan import generator
 from eaclutch.blind.strangers import UNNAMED
-from eaclutch.blind.world import Constants, Runs
+from eaclutch.blind.world import Constants, Runs, draw_constants
 from eaclutch.records import FloatArray
 
 # Feature: (phase, absolute sd, relative sd) of one run.
@@ -179,7 +179,7 @@ class Frame:
 
 def frame_of(case: Case) -> Frame:
     """The frame of a case, whatever effects it has."""
-    plain = replace(case.constants, law="asperities", law_share=0.0, stray_capacitance=0.0)
+    plain = _own_constants(case)
     base = scaled_features(case, (), plain)  # NaN where a run does not release
     count = len(case.runs) * len(FEATURES)
     table = np.nan_to_num(base[:count].reshape(len(case.runs), len(FEATURES)))
@@ -194,6 +194,11 @@ def frame_of(case: Case) -> Frame:
             column[:, j] = pattern * table[:, j] / sd[:, j]
             directions.append(np.concatenate([column.ravel(), rest]))
     return Frame(base, scale, np.stack(directions, axis=1), constants)
+
+
+def _own_constants(case: Case) -> Constants:
+    """The bench's constants before any effect."""
+    return draw_constants(generator(case.entry.namespace, case.entry.seed, "constants"))
 
 
 def _patterns(case: Case) -> list[FloatArray]:
@@ -211,7 +216,7 @@ def truth_of(case: Case) -> dict[str, Any]:
     names = tuple(name for name, _ in case.entry.effects)
     if not names and case.entry.misfit == 0.0:
         return {"distance": 0.0, "distance_calibrated": 0.0, "closure": {}, "where": []}
-    plain = replace(case.constants, law="asperities", law_share=0.0, stray_capacitance=0.0)
+    plain = _own_constants(case)
     bent = replace(plain, law=case.entry.misfit_law, law_share=case.entry.misfit)
     frame = frame_of(case)
     shifts = {kept: frame.shift(scaled_features(case, kept, bent)) for kept in _subsets(names)}

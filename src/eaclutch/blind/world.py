@@ -49,7 +49,7 @@ class Constants:
     substrate_length: float = 0.1  # m
     stage_speed: float = 0.5e-3  # m/s
     static_scatter: float = 0.02  # from slip to slip, relative
-    stray_capacitance: float = 0.0  # F, on the capacitance bench
+    stray_capacitance: float = 0.0  # F, on the capacitance bench, beyond the declared
     law: str = "asperities"  # other contact law mixed in
     law_share: float = 0.0
 
@@ -78,6 +78,7 @@ def draw_constants(rng: np.random.Generator) -> Constants:
         film_static=float(np.clip(rng.normal(0.188, 0.008), 0.17, 0.21)),
         film_kinetic=float(np.clip(rng.normal(0.154, 0.006), 0.138, 0.166)),
         static_scatter=float(rng.uniform(0.008, 0.022)),
+        stray_capacitance=float(rng.normal(0.0, 0.5e-12)),
     )
 
 
