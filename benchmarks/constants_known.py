@@ -9,10 +9,7 @@ it is done. ``--record`` writes docs/measurements/constants_known.json.
 
 from __future__ import annotations
 
-import argparse
 import os
-from multiprocessing import Pool
-from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -20,15 +17,11 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 import numpy as np
 from measurement import record
-from nameless import LIMITS, share
+from nameless import share
+from open_campaigns import Job, asked_singles, for_each, made
 from scipy.special import ndtri
 
-from eaclutch.blind import plan
-from eaclutch.blind.generate import generate_case, write_tables
-from eaclutch.cli.blind_methods import read_case
 from eaclutch.diagnosis.hypothesis import HypothesisFit
-from eaclutch.diagnosis.settings import load_thresholds
-from eaclutch.diagnosis.study import Study
 from eaclutch.files import read_json, write_json
 
 CONSTANTS = ("contact_stiffness", "roughness_sd")
@@ -36,20 +29,8 @@ REACH = float(ndtri(0.95))  # posterior sds of a 90 % interval
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--work", type=Path, required=True)
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--each", type=int, default=1, help="campaigns an effect")
-    parser.add_argument("--record", action="store_true")
-    chosen = parser.parse_args()
-    entries = plan.make_plan(
-        "dev", chosen.seed, none=0, unknown=0, each_single=chosen.each, pairs=0, limits=read_json(LIMITS)
-    )
-    with Pool(chosen.jobs) as pool:
-        jobs = [(entry, chosen.work) for entry in entries]
-        for done, _ in enumerate(pool.imap_unordered(fit_case, jobs), 1):
-            print(f"{done} of {len(entries)}", flush=True)
+    chosen, entries = asked_singles(__doc__.splitlines()[0])
+    for_each(fit_case, entries, chosen.work, chosen.jobs)
     cases = [read_json(chosen.work / "fitted" / f"{entry.case}.json") for entry in entries]
     result = {"cases": len(cases)} | {name: known(cases, name) for name in CONSTANTS}
     print(result)
@@ -60,21 +41,16 @@ def main() -> None:
         record("constants_known", command, result)
 
 
-def fit_case(job: tuple[plan.Entry, Path]) -> None:
-    """Make one case and fit it without its effect and with it."""
+def fit_case(job: Job) -> None:
+    """Fit one case without its effect and with it."""
     entry, work = job
     target = work / "fitted" / f"{entry.case}.json"
     if target.is_file():
         return
-    tables, answer = generate_case(entry)
-    folder = work / "cases" / entry.case
-    write_tables(tables, folder)
-    study = Study(read_case(folder, "library", {}), load_thresholds())
+    answer, study = made(job)
     effects = tuple(name for name, _ in entry.effects)
-    found = {
-        when: errors(fit, answer["parameters"])
-        for when, fit in (("before", study.base), ("after", study.fit(effects)))
-    }
+    fits = {"before": study.base, "after": study.fit(effects)}
+    found = {when: errors(fit, answer["parameters"]) for when, fit in fits.items()}
     write_json(target, {"effects": list(effects), **found})
 
 

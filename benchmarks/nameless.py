@@ -21,6 +21,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 from measurement import record
+from open_campaigns import LIMITS
 from scipy.stats import binomtest
 from weighed import rows_left, weigh_all
 
@@ -29,8 +30,6 @@ from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.verdict import decide
 from eaclutch.diagnosis.weigh import probabilities
 from eaclutch.files import read_json
-
-LIMITS = Path(__file__).parents[1] / "config" / "blind_limits.json"
 
 
 def share(count: int, of: int) -> dict[str, Any]:

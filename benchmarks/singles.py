@@ -8,36 +8,24 @@ between two sealed sets at what a change of the method has cost. ``--record`` wr
 
 from __future__ import annotations
 
-import argparse
 import os
-from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 from measurement import record
-from nameless import LIMITS, share
+from nameless import share
+from open_campaigns import asked_singles
 from weighed import rows_left, weigh_all
 
-from eaclutch.blind import plan
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.verdict import decide
 from eaclutch.diagnosis.weigh import probabilities
-from eaclutch.files import read_json
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--work", type=Path, required=True)
-    parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--each", type=int, default=1, help="campaigns an effect")
-    parser.add_argument("--record", action="store_true")
-    chosen = parser.parse_args()
-    entries = plan.make_plan(
-        "dev", chosen.seed, none=0, unknown=0, each_single=chosen.each, pairs=0, limits=read_json(LIMITS)
-    )
+    chosen, entries = asked_singles(__doc__.splitlines()[0])
     thresholds, said = load_thresholds(), []
     for answer, found in weigh_all(entries, chosen.work, chosen.jobs):
         weights = probabilities(found, thresholds, rows_left(found))

@@ -1,23 +1,20 @@
 """Every hypothesis weighed on simulated campaigns of the open namespace: what the other scripts here count and fit on.
 
-No sealed case is ever among them. Each case is kept in ``<work>/weighed`` as soon as it is done.
+Each case is kept in ``<work>/weighed`` as soon as it is done.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from multiprocessing import Pool
 from pathlib import Path
 from typing import Any
 
+from open_campaigns import Job, for_each, made
+
 from eaclutch.blind import plan
-from eaclutch.blind.generate import generate_case, write_tables
-from eaclutch.cli.blind_methods import read_case
 from eaclutch.diagnosis.closure import surely_left
 from eaclutch.diagnosis.pairs import with_pairs
-from eaclutch.diagnosis.settings import load_thresholds
-from eaclutch.diagnosis.study import Study
 from eaclutch.files import read_json, write_json
 
 PAIRS = 6
@@ -40,16 +37,13 @@ class Weighed:
     repeat_drift: float
 
 
-def weigh_case(job: tuple[plan.Entry, str]) -> None:
+def weigh_case(job: Job) -> None:
     """Make one case and weigh every hypothesis on it."""
     entry, work = job
-    target = Path(work) / "weighed" / f"{entry.case}.json"
+    target = work / "weighed" / f"{entry.case}.json"
     if target.is_file():
         return
-    tables, answer = generate_case(entry)
-    folder = Path(work) / "cases" / entry.case
-    write_tables(tables, folder)
-    study = Study(read_case(folder, "library", {}), load_thresholds())
+    answer, study = made(job)
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found = with_pairs(study, found, PAIRS)
     left = surely_left(study, found)
@@ -74,9 +68,7 @@ def weigh_case(job: tuple[plan.Entry, str]) -> None:
 
 def weigh_all(entries: Sequence[plan.Entry], work: Path, jobs: int) -> list[tuple[Any, list[Weighed]]]:
     """(answer, hypotheses) of every case, made and weighed where that is not done yet."""
-    with Pool(jobs) as pool:
-        for done, _ in enumerate(pool.imap_unordered(weigh_case, [(e, str(work)) for e in entries]), 1):
-            print(f"{done} of {len(entries)}", flush=True)
+    for_each(weigh_case, entries, work, jobs)
     cases = []
     for entry in entries:
         document = read_json(work / "weighed" / f"{entry.case}.json")

@@ -39,6 +39,12 @@ def every_third(runs: Runs) -> Runs:
     return Runs(**arrays, knobs=knobs)
 
 
+def test_the_capacitance_fixture_is_off_by_half_a_pf_from_what_campaign_yaml_states() -> None:
+    stray = [draw_constants(generator("test", seed, "constants")).stray_capacitance for seed in range(400)]
+    assert np.std(stray) == pytest.approx(0.5e-12, rel=0.15)
+    assert abs(np.mean(stray)) < 0.1e-12
+
+
 @pytest.fixture(scope="module")
 def plain(bench: tuple[Runs, Constants]) -> np.ndarray:
     return seen(*bench)
