@@ -131,7 +131,7 @@ def left_out_levels(study: Study, found: Mapping[str, Any]) -> dict[str, Any]:
         }
         out[factor] = {
             str(level): _means(rows, group)
-            | {"entries": len(group), "without_chance": _means(rows, group[channel[group] != CHANCE])}
+            | {"without_chance": _means(rows, group[channel[group] != CHANCE])}
             for level, group in zip(np.unique(values).tolist(), groups, strict=True)
         }
         out[f"{factor} by observable"] = {
@@ -146,16 +146,21 @@ def together(levels: Mapping[str, Any]) -> dict[str, Any]:
     for factor, rows in levels.items():
         if factor.endswith(" by observable"):
             continue
-        weights = [row["entries"] for row in rows.values()]
-        out[factor] = {
-            name: float(np.average([row[name] for row in rows.values()], weights=weights))
-            for name in ("base", "verdict", "nameless", "verdict_carried")
-        }
+        out[factor] = _mean_of(list(rows.values()))
+        out[factor]["without_chance"] = _mean_of([row["without_chance"] for row in rows.values()])
     return out
 
 
+def _mean_of(rows: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    weights = [row["entries"] for row in rows]
+    return {
+        name: float(np.average([row[name] for row in rows], weights=weights))
+        for name in ("base", "verdict", "nameless", "verdict_carried")
+    }
+
+
 def _means(rows: Mapping[str, np.ndarray], entries: np.ndarray) -> dict[str, Any]:
-    return {name: float(np.mean(error[entries])) for name, error in rows.items()}
+    return {name: float(np.mean(error[entries])) for name, error in rows.items()} | {"entries": len(entries)}
 
 
 def _errors(study: Study, fit: Linearised, groups: Sequence[np.ndarray], smooth: bool) -> np.ndarray:

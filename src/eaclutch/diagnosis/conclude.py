@@ -20,6 +20,7 @@ from eaclutch.diagnosis.session_moves import sessions_apart
 from eaclutch.diagnosis.study import SESSION_SPREADS, Study
 from eaclutch.diagnosis.verdict import Verdict, decide, in_words
 from eaclutch.diagnosis.weigh import NONE, UNKNOWN, probabilities
+from eaclutch.diagnosis.withheld import withheld
 
 SESSION_DRIFT = "session_drift"
 APART = 0.1  # of the shear capacity, between sessions, from which a wide spread between them may hold a drift
@@ -35,6 +36,7 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
     left = leave_out(linearised, groups)
     weights = probabilities(results, study.thresholds, surely_left(study, results))
     notes = [*caveats(study), *far_apart(study, results, weights), *stopped(results, weights)]
+    notes += withheld(study, results, weights)
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)
     strict = study.kernels.total(tolerance=0.0, session=session_spread(study, after), scatter=False)

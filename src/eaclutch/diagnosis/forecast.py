@@ -19,7 +19,7 @@ from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.modulated import changes, gains
 from eaclutch.diagnosis.starts import scout_shifts
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.weigh import LIBRARY, named_scale
+from eaclutch.diagnosis.weigh import LIBRARY, named_scale, prior_odds
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.records import FloatArray
 
@@ -57,10 +57,10 @@ class Forecast:
         thresholds = study.thresholds
         prior = thresholds["prior"]
         named = (1.0 - prior["none"] - prior["unknown"]) / max(LIBRARY, len(self.clouds))
-        single = [named * prior["odds"].get(name, 1.0) for name in study.candidates]
+        single = [named * prior_odds(name, prior) for name in study.candidates]
         self.log_prior = np.log([*single, prior["unknown"], prior["none"]])
         less = named * prior["lookalike_share"]
-        odds = [less * prior["odds"].get(name, 1.0) for name in study.lookalikes]
+        odds = [less * prior_odds(name, prior) for name in study.lookalikes]
         self.lookalikes = list(zip(lookalikes, np.log(odds), strict=True))
         self.nameless_roots = [
             np.linalg.cholesky(self.covariance + self.kernels.tolerance * (factor**2 - 1.0))

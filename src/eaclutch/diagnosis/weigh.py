@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 from scipy.special import expit, logsumexp
 
 from eaclutch.diagnosis.result import CandidateResult
-from eaclutch.physics.effects import CANDIDATES, LOOKALIKES
+from eaclutch.physics.effects import BASE, CANDIDATES, LOOKALIKES
 from eaclutch.records import FloatArray
 
 NONE: tuple[str, ...] = ()
@@ -107,6 +107,12 @@ def named_scale(named: ArrayLike, unknown: ArrayLike, odds: float) -> FloatArray
     return np.asarray((named + unknown) / (named + odds * unknown))
 
 
+def prior_odds(name: str, prior: Mapping[str, Any]) -> float:
+    """Factor on the prior probability of every set that holds the effect ``name`` (``odds``; ``base_odds`` for one of
+    the base model that a campaign's model leaves out: it is known to act)."""
+    return float(prior["odds"].get(name, 1.0)) * (float(prior["base_odds"]) if name in BASE else 1.0)
+
+
 def unknown_as(results: Sequence[CandidateResult], thresholds: Mapping[str, Any]) -> str:
     """The lookalike that says best what ``unknown`` would be, empty where the nameless terms do."""
     _, nameless, lookalikes = _scores(results, thresholds)
@@ -133,7 +139,7 @@ def _scores(
     counted, temperature = counted_evidence(results, thresholds), float(thresholds["temperature"])
 
     def score(result: CandidateResult) -> float:
-        odds = sum(float(np.log(prior["odds"].get(name, 1.0))) for name in result.effects)
+        odds = sum(float(np.log(prior_odds(name, prior))) for name in result.effects)
         return counted(result) / temperature + float(np.log(share[len(result.effects)])) + odds
 
     nameless = max(r.log_evidence_without_open for r in results) / temperature + float(

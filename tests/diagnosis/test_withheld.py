@@ -1,0 +1,56 @@
+"""Base effects that a model leaves out: likelier beforehand than candidates, and never passed over in silence."""
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from diagnosis.simulated import inputs
+from eaclutch.diagnosis.gaussian import Linearised
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.weigh import NONE, UNKNOWN, probabilities
+from eaclutch.diagnosis.withheld import taken_over, withheld
+from eaclutch.physics.effects import BASE
+
+
+def weighed(effects, evidence):
+    return SimpleNamespace(
+        effects=effects, log_evidence=evidence, log_evidence_open=-1e3, log_evidence_without=0.0,
+        log_evidence_without_open=0.0, gap_left_out=1.0, adequate_p=1.0, multipliers=(1.0, 1.0), repeat_drift=0.0,
+    )  # fmt: skip
+
+
+def test_by_equal_evidence_what_is_known_to_act_is_likelier_than_what_may():
+    thresholds = load_thresholds()
+    odds = thresholds["prior"]["base_odds"]
+    found = probabilities(
+        [weighed(e, 50.0 if e else 0.0) for e in (NONE, ("air_gap",), ("trigger_latency",))], thresholds
+    )
+    assert found[("air_gap",)] == pytest.approx(odds * found[("trigger_latency",)])
+    pairs = [("air_gap", "trigger_latency"), ("edge_wrap", "trigger_latency")]
+    found = probabilities([weighed(e, 50.0 if e else 0.0) for e in (NONE, *pairs)], thresholds)
+    assert found[pairs[0]] == pytest.approx(odds * found[pairs[1]]) and odds > 1.0
+
+
+def test_what_parameters_follow_is_taken_over_and_what_they_cannot_is_not():
+    jacobian, noise = np.array([[100.0], [0.0], [0.0]]), np.eye(3)
+    fit = Linearised(np.zeros(3), jacobian, noise)
+    assert taken_over(np.array([5.0, 0.0, 0.0]), fit, noise) == pytest.approx(1.0, abs=1e-3)
+    assert taken_over(np.array([0.0, 5.0, 0.0]), fit, noise) == pytest.approx(0.0, abs=1e-9)
+    assert taken_over(np.array([5.0, 5.0, 0.0]), fit, noise) == pytest.approx(0.5, abs=1e-3)
+    assert taken_over(np.zeros(3), fit, noise) == 0.0
+
+
+def test_a_caveat_says_what_the_model_leaves_out_and_no_verdict_names():
+    given = inputs()
+    less = replace(given, effects=tuple(e for e in BASE if e != "air_gap"), candidates=("air_gap",))
+    study = Study(less, load_thresholds(), seed=3)
+    results = [study.weigh(()), study.weigh(("air_gap",))]
+    notes = withheld(study, results, {NONE: 0.2, ("air_gap",): 0.1, UNKNOWN: 0.7})
+    assert len(notes) == 1 and notes[0].startswith("air gap is left out of the model")
+    assert notes[0].endswith("%")
+    assert withheld(study, results, {NONE: 0.2, ("air_gap",): 0.7, UNKNOWN: 0.1}) == []
+    whole = Study(given, load_thresholds(), seed=3)
+    assert withheld(whole, [whole.weigh(())], {NONE: 1.0}) == []
