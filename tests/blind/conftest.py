@@ -6,13 +6,13 @@ from collections.abc import Iterator
 
 import pytest
 
-from eaclutch.blind import truth
+from eaclutch.blind import frame
 
 
 @pytest.fixture(scope="module")
 def few_constants() -> Iterator[None]:
-    """One constant in front of the film and two behind it."""
-    chosen = ("contact_stiffness", "stiffness", "film_static")
+    """One constant in front of the film, two behind it and one of the bench."""
+    chosen = ("contact_stiffness", "stiffness", "film_static", "stray_capacitance")
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(truth, "MOVABLE", {name: truth.MOVABLE[name] for name in chosen})
+        patch.setattr(frame, "MOVABLE", {name: frame.MOVABLE[name] for name in chosen})
         yield

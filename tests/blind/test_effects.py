@@ -13,7 +13,7 @@ from eaclutch.blind.bench_readings import capacitance_curve
 from eaclutch.blind.case import clean_state
 from eaclutch.blind.design import draw_design
 from eaclutch.blind.plan import generator
-from eaclutch.blind.truth import skeleton
+from eaclutch.blind.skeleton import skeleton
 from eaclutch.blind.world import Constants, Runs, draw_constants
 
 LAWS = candidates.NAMED | strangers.UNNAMED

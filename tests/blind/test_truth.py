@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from eaclutch.blind.case import build_case
+from eaclutch.blind.frame import Frame, frame_of, scaled_features
 from eaclutch.blind.plan import Entry
-from eaclutch.blind.truth import Frame, frame_of, scaled_features, truth_of
+from eaclutch.blind.truth import truth_of
 
 
 def case(*effects: tuple[str, float]):  # type: ignore[no-untyped-def]
@@ -55,3 +58,10 @@ def test_shares_of_a_pair_and_the_place_of_the_gap() -> None:
     assert max(shares, key=lambda name: shares[name]).startswith("release_time")
     assert sum(shares.values()) <= 1.0 + 1e-9
     assert truth["distance_calibrated"] <= truth["distance"]
+
+
+def test_calibration_follows_the_fixtures_stray_capacitance(frame: Frame) -> None:
+    plain = case()
+    other = replace(plain.constants, stray_capacitance=plain.constants.stray_capacitance + 3e-13)
+    shift = frame.shift(scaled_features(plain, (), other))
+    assert np.linalg.norm(frame.left(shift)) < 0.5 * np.linalg.norm(shift)
