@@ -7,7 +7,7 @@ import pytest
 from scipy import sparse
 
 from eaclutch.diagnosis.cells import Cells
-from eaclutch.diagnosis.closure import _share, gap_numbers, surely_left
+from eaclutch.diagnosis.closure import _share, gap_numbers, surely_left, widened
 
 CONDITIONS, REPEATS = 20, 3
 N = CONDITIONS * REPEATS
@@ -81,3 +81,30 @@ def test_a_single_condition_says_nothing_of_others():
 def test_a_gap_that_widened_has_not_closed():
     closed, left = np.array([-1.0, -3.0, 1.0, -1.0]), np.array([0.5, 4.0, 1.0, -0.5])
     assert _share(closed, left, np.ones(4, dtype=bool), 0.0).tolist() == [0.0, -3.0, 0.5, 1.0]
+
+
+def test_a_caveat_names_what_is_predicted_worse_with_a_name_than_without():
+    names = np.repeat(["release_time_50_s", "shear_capacity_n"], CONDITIONS).astype(object)
+    count = len(names)
+    cells = Cells(
+        names, np.tile([f"c{i}" for i in range(CONDITIONS)], 2).astype(object), np.ones(count),
+        sparse.identity(count, format="csr"), np.ones(count), np.zeros(count, dtype=bool), np.ones(count),
+    )  # fmt: skip
+    study = SimpleNamespace(cells=cells, generator=np.random.default_rng)
+
+    def result(effects, release, capacity):
+        errors = np.repeat([release, capacity], CONDITIONS).astype(float)
+        return SimpleNamespace(effects=effects, errors_left_out=errors)
+
+    soft = ("series_compliance",)
+    base, named = result((), 5.0, 2.0), result(soft, 1.0, 4.0)
+    notes = widened(study, [base, named], {(): 0.1, soft: 0.9})
+    assert len(notes) == 1 and "shear_capacity_n" in notes[0] and "4 to 16" in notes[0]
+    assert "release" not in notes[0]
+    assert widened(study, [base, named], {(): 0.9, soft: 0.1}) == []
+    assert widened(study, [base, named], {(): 0.0, soft: 0.4, ("unknown",): 0.6}) == []
+    little = result(soft, 1.0, 2.4)  # 1.44 times
+    assert widened(study, [base, little], {(): 0.1, soft: 0.9}) == []
+    uneven = result(soft, 1.0, 0.0)
+    uneven.errors_left_out[-1] = 20.0  # by a single condition
+    assert widened(study, [base, uneven], {(): 0.1, soft: 0.9}) == []

@@ -13,6 +13,9 @@ from eaclutch.diagnosis.study import Study
 from eaclutch.records import FloatArray
 
 BOOTSTRAPS = 1000
+WIDER = (
+    1.5  # times a gap that is said to be wider: what little is closed or not is within the laws' tolerance
+)
 
 
 def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, simulated: FloatArray,
@@ -62,18 +65,39 @@ def _share(closed: FloatArray, left: FloatArray, real: np.ndarray, otherwise: fl
 def surely_left(study: Study, results: Sequence[CandidateResult]) -> dict[tuple[str, ...], float]:
     """Of each set of effects, how many times the base model's gap on conditions left out it leaves in 95 % of their
     draws at least; 0 where a single condition says nothing of others."""
-    cells = study.cells
-    counts, index = _condition_draws(cells, study.generator(16))
-    if counts.shape[1] < 2:
-        return {result.effects: 0.0 for result in results}
-    base = _ratios(cells, next(r for r in results if not r.effects))
-    before = np.maximum(counts @ np.bincount(index, weights=base), 1e-300)
-    return {
-        result.effects: float(
-            np.quantile(counts @ np.bincount(index, weights=_ratios(cells, result)) / before, 0.05)
-        )
-        for result in results
-    }
+    every = np.arange(len(study.cells.variance))
+    base = next(r for r in results if not r.effects)
+    return {result.effects: _surely(study, base, result, every) for result in results}
+
+
+def widened(
+    study: Study, results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...], float]
+) -> list[str]:
+    """A caveat where the most probable set, if it is a named one, surely predicts an observable worse than the base
+    model does on conditions left out: what it closes elsewhere it does not close there."""
+    best = max(weights, key=lambda effects: weights[effects])
+    base = next(r for r in results if not r.effects)
+    after = next((r for r in results if r.effects == best), base)
+    said = []
+    for name in dict.fromkeys(study.cells.observable) if after.effects else ():
+        rows = np.flatnonzero(study.cells.observable == name)
+        if _surely(study, base, after, rows) > WIDER:
+            gaps = " to ".join(f"{_ratios(study.cells, r)[rows].mean():.2g}" for r in (base, after))
+            said.append(f"{name} (mean square over its repeats' variance {gaps})")
+    return [f"predicted worse than without, conditions left out: {', '.join(said)}"] if said else []
+
+
+def _surely(study: Study, base: CandidateResult, after: CandidateResult, rows: np.ndarray) -> float:
+    """How many times the gap of ``base`` in the cells ``rows`` that of ``after`` is, in 95 % of draws of conditions at
+    least; 0 where a single condition says nothing of others."""
+    counts, index = _condition_draws(study.cells, study.generator(16))
+    if len(np.unique(index[rows])) < 2:
+        return 0.0
+    before, later = (
+        counts @ np.bincount(index[rows], weights=_ratios(study.cells, r)[rows], minlength=counts.shape[1])
+        for r in (base, after)
+    )
+    return float(np.quantile(later / np.maximum(before, 1e-300), 0.05))
 
 
 def total_gap(cells: Cells, base: CandidateResult, after: CandidateResult, floor: float,

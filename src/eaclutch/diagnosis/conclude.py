@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from eaclutch.diagnosis.causes import causes
-from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_left, total_gap
+from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_left, total_gap, widened
 from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.gate import simulate_null
 from eaclutch.diagnosis.gaussian import Linearised, leave_out, log_normal
@@ -36,7 +36,7 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
     left = leave_out(linearised, groups)
     weights = probabilities(results, study.thresholds, surely_left(study, results))
     notes = [*caveats(study), *far_apart(study, results, weights), *stopped(results, weights)]
-    notes += withheld(study, results, weights)
+    notes += [*widened(study, results, weights), *withheld(study, results, weights)]
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)
     strict = study.kernels.total(tolerance=0.0, session=session_spread(study, after), scatter=False)
