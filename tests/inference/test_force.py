@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -97,6 +98,28 @@ def test_recovers_multiplier_and_moves_the_others():
     assert product.std() < 0.5 * np.log(drawn["gain"]).std()
     assert drawn["gain"].mean() > 1.05
     assert drawn["idle"].std() == pytest.approx(1.0, rel=0.15)
+
+
+def test_a_share_between_two_ends_moves_and_stays_between_them():
+    """Runs lose 30 % of a share of their capacity at one end of the campaign; the share is nearly all."""
+    rng = np.random.default_rng(6)
+    data, _, voltage = made_campaign(rng, level=1.0, slope=0.0, gain=1.0)
+    lossy = (np.arange(len(voltage)) % 2)[None, :]
+    share = {"share": rng.uniform(0.0, 1.0, 300)}
+
+    def capacity(nuisances, multiplier):
+        return (
+            (1 - 0.3 * nuisances["share"][:, None] * lossy) * multiplier**0.8 * (voltage[None, :] / 200) ** 2
+        )
+
+    for truth, side in ((0.95, "high"), (0.05, "low")):
+        seen = replace(data, capacity=data.capacity * (1 - 0.3 * truth * lossy[0]))
+        response = Response.tabulate(capacity, share, {"share": "1"}, {"share": (0.0, 1.0)})
+        drawn = refit_draws(force_problem(seen, response, "constant", PARAMETERS), 800, rng)["share"]
+        assert drawn.min() >= 0.0 and drawn.max() <= 1.0
+        assert (drawn.mean() > 0.8) if side == "high" else (drawn.mean() < 0.2)
+        scaled = response.scales.forward(response.values)
+        np.testing.assert_allclose(response.scales.back(scaled), response.values, atol=1e-6)
 
 
 def test_conditioning_is_exact_for_a_linear_gaussian_model():

@@ -11,12 +11,13 @@ import pytest
 from eaclutch.config.document import load_schema
 from eaclutch.files import plain
 from eaclutch.inference import storage
-from eaclutch.inference.draws import load_draws, with_prior_draws
+from eaclutch.inference.draws import inside, load_draws, with_prior_draws
 from eaclutch.inference.hyperparameters import HYPERPARAMETERS
 from eaclutch.inference.posterior import gate, run_stage
 from eaclutch.inference.sampling import SamplerSettings
 from eaclutch.inference.stages.load_cell import load_cell_problem
 from eaclutch.inference.summary import summarise
+from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.parameters import base_parameters
 from eaclutch.records import Bench, BurstFeatures, InputError
 
@@ -135,6 +136,23 @@ def test_joint_draws_keep_rows_together_and_fill_from_priors(files):
     assert np.corrcoef(joint["stiffness"], joint["mass"])[0, 1] > 0.9  # a row is one draw
     full = with_prior_draws(joint, base_parameters(Bench("x"), "linear"), 150, np.random.default_rng(0))
     assert full["film_static"].shape == (150,) and "slip_phase" not in full
+    # what a base effect leaves open is drawn, its strength is not
+    known = ClutchModel(Bench("x")).parameters
+    full = with_prior_draws(joint, known, 150, np.random.default_rng(0))
+    assert full["drive_rise_fall.reversal_share"].std() > 0.2
+    assert not any(name.endswith(".strength") for name in full)
+
+
+def test_draws_that_left_their_bounds_are_put_back():
+    share = "drive_rise_fall.reversal_share"
+    known = ClutchModel(Bench("x")).parameters
+    found = inside({share: np.array([-0.2, 0.4, 1.7]), "other": np.array([9.0])}, known)
+    assert found[share].tolist() == [0.0, 0.4, 1.0] and found["other"].tolist() == [9.0]
+
+
+def test_a_second_file_of_a_stage_is_an_error(files):
+    joint = load_draws([files[0] / "load_cell.nc"], 10)
+    assert joint["mass"].shape == (10,)
     with pytest.raises(InputError, match="second file"):
         load_draws([files[0] / "load_cell.nc", files[0] / "prior.nc"], 10)
 

@@ -11,7 +11,7 @@ from eaclutch.inference import storage
 from eaclutch.inference.hyperparameters import HYPERPARAMETERS
 from eaclutch.inference.priors import Priors
 from eaclutch.inference.problem import STAGES
-from eaclutch.physics.effect import Parameter
+from eaclutch.physics.effect import STRENGTH, Parameter
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.records import FloatArray, InputError
 
@@ -48,16 +48,17 @@ def spread_out(values: Mapping[str, FloatArray], draws: int, order: int) -> dict
 
 
 def other_parameters(known: Mapping[str, Parameter], have: Sequence[str]) -> list[Parameter]:
-    """Model parameters that no stage has calibrated: friction, and those of candidate effects that are on.
+    """Model parameters that no stage has calibrated: friction, those of candidate effects that are on, and what a base
+    effect leaves open (how much a drive loses at reversals).
 
     The multiplier, per-run parameters and strengths of base effects are not among them.
     """
     chosen = []
     for name, parameter in known.items():
-        effect = name.split(".")[0] if "." in name else None
         if name in have or name in PER_RUN or name.startswith("force_multiplier"):
             continue
-        if effect is not None and EFFECTS[effect].role == "base":
+        effect, _, own = name.rpartition(".")
+        if own == STRENGTH.name and EFFECTS[effect].role == "base":
             continue
         chosen.append(parameter)
     return chosen
@@ -72,7 +73,12 @@ def with_prior_draws(
     if rest:
         values = Priors.of(rest).sample(rng, draws)
         complete |= {parameter.name: values[:, i] for i, parameter in enumerate(rest)}
+    return inside(complete, known)
+
+
+def inside(joint: Mapping[str, FloatArray], known: Mapping[str, Parameter]) -> dict[str, FloatArray]:
+    """``joint`` with each parameter kept inside its bounds: draws that capacities moved may leave them."""
     return {
         name: np.clip(values, *known[name].bounds) if name in known else values
-        for name, values in complete.items()
+        for name, values in joint.items()
     }

@@ -157,7 +157,8 @@ def force_response(inputs: StageInputs, rng: np.random.Generator) -> Response:
         name: v for name, v in nuisances.items() if name in known and not name.startswith("force_multiplier")
     }
     units = {name: known[name].unit for name in nuisances}
-    return Response.tabulate(capacity_function(model, inputs.capacity.conditions), nuisances, units)
+    spans = {name: known[name].bounds for name in nuisances if known[name].prior.distribution == "uniform"}
+    return Response.tabulate(capacity_function(model, inputs.capacity.conditions), nuisances, units, spans)
 
 
 def capacity_function(model: ClutchModel, conditions: RunConditions) -> Any:

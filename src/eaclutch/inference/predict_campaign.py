@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from eaclutch.inference.coverage import coverage_document, ranks
-from eaclutch.inference.draws import load_draws, with_prior_draws
+from eaclutch.inference.draws import inside, load_draws, with_prior_draws
 from eaclutch.inference.left_out import folds, refit_draws, unseen_voltages, without
 from eaclutch.inference.posterior import StageInputs, force_response
 from eaclutch.inference.prediction import Measured, Predicted, predict_runs, replicate
@@ -75,7 +75,7 @@ class _Campaign:
             refit = self.refit(set(runs[theirs]), rng)
             if refit and self.inputs.multiplier_form == "per_voltage":
                 refit |= unseen_voltages(self.joint, refit, self.draws, rng)
-            yield _Fold(split, number, {**self.joint, **refit}, theirs)
+            yield _Fold(split, number, inside({**self.joint, **refit}, self.inputs.parameters), theirs)
 
 
 def predict_campaign(

@@ -7,12 +7,14 @@ uncorrelated with unit variance over the draws and are treated as Gaussian.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numba
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.special import ndtr, ndtri
 
 from eaclutch.inference.problem import digest
 from eaclutch.records import FloatArray
@@ -20,15 +22,43 @@ from eaclutch.records import FloatArray
 LOG_GRID = np.linspace(np.log(0.05), np.log(20.0), 41)
 VARIANCE_KEPT = 1 - 1e-4
 MOST_FACTORS = 8
+SHORT_OF_THE_END = 1e-9  # of a span: an end itself has no normal score
 
 Capacity = Callable[[Mapping[str, FloatArray], float], FloatArray]
 """(nuisance draws, multiplier) -> capacity (draws, runs) [N], NaN where the model has none."""
 
 
 @dataclass(frozen=True)
+class Scales:
+    """On which scale parameters move, each (params,): low, high: ends of those that lie between two (else NaN), by the
+    normal score of where they lie; logarithmic: those that are positive; the others as they are."""
+
+    low: FloatArray
+    high: FloatArray
+    logarithmic: np.ndarray
+
+    @classmethod
+    def of(cls, names: Sequence[str], values: FloatArray, spans: Mapping[str, tuple[float, float]]) -> Scales:
+        ends = np.array([spans.get(name, (np.nan, np.nan)) for name in names]).reshape(-1, 2)
+        return cls(ends[:, 0], ends[:, 1], np.all(values > 0, axis=0) & np.isnan(ends[:, 0]))
+
+    def forward(self, values: FloatArray) -> FloatArray:
+        """To the scale, (draws, params)."""
+        share = np.clip((values - self.low) / (self.high - self.low), SHORT_OF_THE_END, 1 - SHORT_OF_THE_END)
+        plain = np.where(self.logarithmic, np.log(np.where(self.logarithmic, values, 1.0)), values)
+        return np.where(np.isnan(self.low), plain, ndtri(share))
+
+    def back(self, scaled: FloatArray) -> FloatArray:
+        """Inverse of ``forward``."""
+        plain = np.where(self.logarithmic, np.exp(np.where(self.logarithmic, scaled, 0.0)), scaled)
+        return np.where(np.isnan(self.low), plain, self.low + (self.high - self.low) * ndtr(scaled))
+
+
+@dataclass(frozen=True)
 class Response:
     """mean and factors as cubic pieces over ln lambda, log_share: log share of draws that have a capacity;
-    z (draws, rank): scores; values (draws, params) and loadings (params, rank): nuisances and how they follow z."""
+    z (draws, rank): scores; values (draws, params) and loadings (params, rank): nuisances and how they follow z, on the
+    scale on which they move (``Scales``)."""
 
     mean: FloatArray  # (runs, pieces, 4), highest power first
     factors: FloatArray  # (runs, pieces, rank, 4)
@@ -37,7 +67,7 @@ class Response:
     names: tuple[str, ...]
     values: FloatArray
     loadings: FloatArray
-    logarithmic: np.ndarray  # (params,): moved on a log scale
+    scales: Scales
     units: Mapping[str, str]
     fingerprint: str
 
@@ -51,9 +81,14 @@ class Response:
 
     @classmethod
     def tabulate(
-        cls, capacity: Capacity, nuisances: Mapping[str, FloatArray], units: Mapping[str, str]
+        cls,
+        capacity: Capacity,
+        nuisances: Mapping[str, FloatArray],
+        units: Mapping[str, str],
+        spans: Mapping[str, tuple[float, float]] = MappingProxyType({}),
     ) -> Response:
-        """Evaluate ``capacity`` on the grid for all draws of ``nuisances`` {name: (draws,)}."""
+        """Evaluate ``capacity`` on the grid for all draws of ``nuisances`` {name: (draws,)}; spans {name: (low, high)}:
+        of those that can be anything between two ends, and nothing else."""
         table = np.stack([np.log(capacity(nuisances, float(np.exp(x)))) for x in LOG_GRID], axis=2)
         finite = np.isfinite(table)  # (draws, runs, grid)
         count = finite.sum(axis=0)
@@ -71,14 +106,14 @@ class Response:
             log_share = np.log(count / draws).T
         names = tuple(nuisances)
         values = np.stack([nuisances[name] for name in names], axis=1) if names else np.zeros((draws, 0))
-        logarithmic = np.all(values > 0, axis=0)
-        scaled = np.where(logarithmic, np.log(np.where(logarithmic, values, 1.0)), values)
+        scales = Scales.of(names, values, spans)
+        scaled = scales.forward(values)
         loadings = (scaled - scaled.mean(axis=0)).T @ z / draws
         mean_pieces = np.ascontiguousarray(np.transpose(CubicSpline(LOG_GRID, mean, axis=1).c, (2, 1, 0)))
         pieces = CubicSpline(LOG_GRID, loads, axis=2).c  # (4, pieces, rank, runs)
         return cls(
             mean_pieces, np.ascontiguousarray(np.transpose(pieces, (3, 1, 2, 0))), log_share, z, names, values,
-            loadings, logarithmic, dict(units), digest(table),
+            loadings, scales, dict(units), digest(table),
         )  # fmt: skip
 
     def at(self, multiplier: FloatArray) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -107,9 +142,7 @@ class Response:
     def nuisances(self, which: np.ndarray, moved: FloatArray) -> dict[str, FloatArray]:
         """Nuisance draws ``which`` (n,) with their scores moved to ``moved`` (n, rank)."""
         shift = (moved - self.z[which]) @ self.loadings.T
-        values = self.values[which]
-        safe = np.where(self.logarithmic, values, 1.0)
-        new = np.where(self.logarithmic, safe * np.exp(shift), values + shift)
+        new = self.scales.back(self.scales.forward(self.values[which]) + shift)
         return {name: new[:, i] for i, name in enumerate(self.names)}
 
 
