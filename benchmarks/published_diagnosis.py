@@ -4,7 +4,7 @@
 
 prints a table and records docs/measurements/published_checks.json. ``--results`` is the folder that the published
 config's run has filled. Each check is kept in ``--work`` as soon as it is done, so that an interrupted call goes on;
-it says which commit it is of.
+it says which commit it is of. What its hypotheses were weighed by (``weighed.Weighed``) stays there, unrecorded.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 import numpy as np
 from measurement import commit, record
+from weighed import rows_of
 
 from eaclutch.config import load_bench
 from eaclutch.diagnosis.conclude import conclude
@@ -65,7 +66,7 @@ def main() -> None:
     with Pool(chosen.jobs) as pool:
         for name, verdict in pool.imap_unordered(keep, jobs):
             print(name, verdict["effects"], f"{verdict['probability']:.2f}", flush=True)
-    found = {name: read_json(path) for name, _, path in jobs}
+    found = {name: {k: v for k, v in read_json(path).items() if k != "weighed"} for name, _, path in jobs}
     found["full"]["left_out_levels_together"] = together(found["full"]["left_out_levels"])
     if chosen.record:
         command = "python benchmarks/published_diagnosis.py --campaign <published> --results results/published --record"
@@ -93,6 +94,7 @@ def check(inputs: DiagnosisInputs, levels: bool) -> dict[str, Any]:
         "hypotheses": document["hypotheses"][:5],
         "parameters": {e["effect"]: e["parameters"] for e in document["causes"] if e["effect"] in named},
         "absorbed": document["absorbed"],
+        "weighed": rows_of(study, found),
     }
     return out | ({"left_out_levels": left_out_levels(study, out)} if levels else {})
 

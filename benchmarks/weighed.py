@@ -15,6 +15,8 @@ from open_campaigns import Job, for_each, made
 from eaclutch.blind import plan
 from eaclutch.diagnosis.closure import surely_left
 from eaclutch.diagnosis.pairs import with_pairs
+from eaclutch.diagnosis.result import CandidateResult
+from eaclutch.diagnosis.study import Study
 from eaclutch.files import read_json, write_json
 
 PAIRS = 6
@@ -46,8 +48,13 @@ def weigh_case(job: Job) -> None:
     answer, study = made(job)
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found = with_pairs(study, found, PAIRS)
+    write_json(target, {"answer": answer, "weighed": rows_of(study, found)})
+
+
+def rows_of(study: Study, found: Sequence[CandidateResult]) -> list[list[Any]]:
+    """The fields of ``Weighed`` of each hypothesis, as they are written."""
     left = surely_left(study, found)
-    rows = [
+    return [
         [
             list(r.effects),
             r.log_evidence,
@@ -63,7 +70,6 @@ def weigh_case(job: Job) -> None:
         ]
         for r in found
     ]
-    write_json(target, {"answer": answer, "weighed": rows})
 
 
 def weigh_all(entries: Sequence[plan.Entry], work: Path, jobs: int) -> list[tuple[Any, list[Weighed]]]:
