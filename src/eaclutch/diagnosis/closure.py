@@ -13,9 +13,8 @@ from eaclutch.diagnosis.study import Study
 from eaclutch.records import FloatArray
 
 BOOTSTRAPS = 1000
-WIDER = (
-    1.5  # times a gap that is said to be wider: what little is closed or not is within the laws' tolerance
-)
+# Times a gap left out that is said to be wider; less is within what the laws may be off by.
+WIDER = 1.5
 
 
 def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, simulated: FloatArray,
