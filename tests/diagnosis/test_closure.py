@@ -98,13 +98,13 @@ def test_a_caveat_names_what_is_predicted_worse_with_a_name_than_without():
 
     soft = ("series_compliance",)
     base, named = result((), 5.0, 2.0), result(soft, 1.0, 4.0)
-    notes = widened(study, [base, named], {(): 0.1, soft: 0.9})
+    notes = widened(study, [base, named], soft)
     assert len(notes) == 1 and "shear_capacity_n" in notes[0] and "4 to 16" in notes[0]
     assert "release" not in notes[0]
-    assert widened(study, [base, named], {(): 0.9, soft: 0.1}) == []
-    assert widened(study, [base, named], {(): 0.0, soft: 0.4, ("unknown",): 0.6}) == []
+    assert widened(study, [base, named], ()) == []
+    assert widened(study, [base, named], ("unknown",)) == []
     little = result(soft, 1.0, 2.4)  # 1.44 times
-    assert widened(study, [base, little], {(): 0.1, soft: 0.9}) == []
+    assert widened(study, [base, little], soft) == []
     uneven = result(soft, 1.0, 0.0)
     uneven.errors_left_out[-1] = 20.0  # by a single condition
-    assert widened(study, [base, uneven], {(): 0.1, soft: 0.9}) == []
+    assert widened(study, [base, uneven], soft) == []

@@ -54,22 +54,22 @@ def test_sessions_further_apart_than_usual_are_a_caveat():
     base = study.weigh(())
     assert base.multipliers[1] == 2.0
     for best in ((), ("unknown",)):
-        (note,) = far_apart(study, [base], {best: 1.0})
+        (note,) = far_apart(study, [base], best)
         assert "2 times as far apart" in note and f"{table['session'].max()} +" in note
     # a drift says so itself, and what explains the gap may need less
     drift = replace(base, effects=("session_drift",))
-    assert far_apart(study, [base, drift], {drift.effects: 1.0}) == []
+    assert far_apart(study, [base, drift], drift.effects) == []
     named = replace(base, effects=("gas_slip",), multipliers=(1.0, 1.0))
-    assert far_apart(study, [base, named], {named.effects: 1.0}) == []
+    assert far_apart(study, [base, named], named.effects) == []
     one = replace(study.data, session=np.full(len(study.data), "a", dtype=object))
     assert sessions_apart(one, study.base.mode.predicted) == {}
 
 
 def test_sessions_as_usual_are_none(study):
     base = study.weigh(())
-    assert far_apart(study, [base], {(): 1.0}) == []
+    assert far_apart(study, [base], ()) == []
     # nor where something else than the force lies apart
-    assert far_apart(study, [replace(base, multipliers=(1.0, 2.0))], {(): 1.0}) == []
+    assert far_apart(study, [replace(base, multipliers=(1.0, 2.0))], ()) == []
 
 
 def test_each_session_differs_in_its_own_way(study):

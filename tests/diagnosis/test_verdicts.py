@@ -296,10 +296,8 @@ def test_a_fit_that_stopped_short_is_said():
         SimpleNamespace(effects=(), converged=True),
         SimpleNamespace(effects=("gas_slip",), converged=False),
     ]
-    assert stopped(results, {(): 0.9, ("gas_slip",): 0.1}) == []
-    assert stopped(results, {(): 0.1, ("gas_slip",): 0.9}) == [
-        "the fit with gas slip stopped before it had converged"
-    ]
+    assert stopped(results, ()) == []
+    assert stopped(results, ("gas_slip",)) == ["the fit with gas slip stopped before it had converged"]
 
 
 def test_a_forecast_has_data_of_the_model_that_it_fits():

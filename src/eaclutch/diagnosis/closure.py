@@ -64,37 +64,40 @@ def _share(closed: FloatArray, left: FloatArray, real: np.ndarray, otherwise: fl
 def surely_left(study: Study, results: Sequence[CandidateResult]) -> dict[tuple[str, ...], float]:
     """Of each set of effects, how many times the base model's gap on conditions left out it leaves in 95 % of their
     draws at least; 0 where a single condition says nothing of others."""
+    draws = _condition_draws(study.cells, study.generator(16))
     every = np.arange(len(study.cells.variance))
-    base = next(r for r in results if not r.effects)
-    return {result.effects: _surely(study, base, result, every) for result in results}
+    base = _ratios(study.cells, next(r for r in results if not r.effects))
+    return {r.effects: _surely(draws, base, _ratios(study.cells, r), every) for r in results}
 
 
-def widened(
-    study: Study, results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...], float]
-) -> list[str]:
-    """A caveat where the most probable set, if it is a named one, surely predicts an observable worse than the base
-    model does on conditions left out: what it closes elsewhere it does not close there."""
-    best = max(weights, key=lambda effects: weights[effects])
-    base = next(r for r in results if not r.effects)
-    after = next((r for r in results if r.effects == best), base)
+def widened(study: Study, results: Sequence[CandidateResult], best: tuple[str, ...]) -> list[str]:
+    """A caveat where the most probable set ``best``, if it is a named one, surely predicts an observable worse than the
+    base model does on conditions left out: what it closes elsewhere it does not close there."""
+    after = next((_ratios(study.cells, r) for r in results if r.effects and r.effects == best), None)
+    if after is None:
+        return []
+    draws = _condition_draws(study.cells, study.generator(16))
+    base = _ratios(study.cells, next(r for r in results if not r.effects))
     said = []
-    for name in dict.fromkeys(study.cells.observable) if after.effects else ():
+    for name in dict.fromkeys(study.cells.observable):
         rows = np.flatnonzero(study.cells.observable == name)
-        if _surely(study, base, after, rows) > WIDER:
-            gaps = " to ".join(f"{_ratios(study.cells, r)[rows].mean():.2g}" for r in (base, after))
+        if _surely(draws, base, after, rows) > WIDER:
+            gaps = f"{base[rows].mean():.2g} to {after[rows].mean():.2g}"
             said.append(f"{name} (mean square over its repeats' variance {gaps})")
     return [f"predicted worse than without, conditions left out: {', '.join(said)}"] if said else []
 
 
-def _surely(study: Study, base: CandidateResult, after: CandidateResult, rows: np.ndarray) -> float:
-    """How many times the gap of ``base`` in the cells ``rows`` that of ``after`` is, in 95 % of draws of conditions at
-    least; 0 where a single condition says nothing of others."""
-    counts, index = _condition_draws(study.cells, study.generator(16))
+def _surely(
+    draws: tuple[FloatArray, np.ndarray], base: FloatArray, after: FloatArray, rows: np.ndarray
+) -> float:
+    """How many times the gap ``base`` (cells,) in the cells ``rows`` that of ``after`` is, in 95 % of ``draws`` of
+    conditions at least; 0 where a single condition says nothing of others."""
+    counts, index = draws
     if len(np.unique(index[rows])) < 2:
         return 0.0
     before, later = (
-        counts @ np.bincount(index[rows], weights=_ratios(study.cells, r)[rows], minlength=counts.shape[1])
-        for r in (base, after)
+        counts @ np.bincount(index[rows], weights=ratios[rows], minlength=counts.shape[1])
+        for ratios in (base, after)
     )
     return float(np.quantile(later / np.maximum(before, 1e-300), 0.05))
 

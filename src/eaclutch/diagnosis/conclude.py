@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -35,8 +35,9 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
     _, groups = condition_groups(study.data)
     left = leave_out(linearised, groups)
     weights = probabilities(results, study.thresholds, surely_left(study, results))
-    notes = [*caveats(study), *far_apart(study, results, weights), *stopped(results, weights)]
-    notes += [*widened(study, results, weights), *withheld(study, results, weights)]
+    best = max(weights, key=lambda effects: weights[effects])
+    notes = [*caveats(study), *far_apart(study, results, best), *stopped(results, best)]
+    notes += [*widened(study, results, best), *withheld(study, results, best)]
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)
     strict = study.kernels.total(tolerance=0.0, session=session_spread(study, after), scatter=False)
@@ -131,9 +132,8 @@ def _after(verdict: Verdict, results: Sequence[CandidateResult], base: Candidate
     return next((r for r in results if r.effects == verdict.effects), base)
 
 
-def stopped(results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...], float]) -> list[str]:
+def stopped(results: Sequence[CandidateResult], best: tuple[str, ...]) -> list[str]:
     """A caveat where the base model's fit, or that of the most probable set, stopped before it had converged."""
-    best = max(weights, key=lambda effects: weights[effects])
     return [
         f"the fit with {in_words(r.effects)} stopped before it had converged"
         for r in results
@@ -141,12 +141,9 @@ def stopped(results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...]
     ]
 
 
-def far_apart(
-    study: Study, results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...], float]
-) -> list[str]:
+def far_apart(study: Study, results: Sequence[CandidateResult], best: tuple[str, ...]) -> list[str]:
     """A caveat where the most probable set (the base model for ``unknown``) needs the widest spread between sessions,
     unless it says itself that they drift."""
-    best = max(weights, key=lambda effects: weights[effects])
     widest = max(study.thresholds["multipliers"]["session"]["values"])
     needed = next(r.multipliers[1] for r in results if r.effects == (NONE if best == UNKNOWN else best))
     shares = sessions_apart(study.data, study.base.mode.predicted)

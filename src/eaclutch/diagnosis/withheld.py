@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -22,12 +22,9 @@ def taken_over(shift: np.ndarray, fit: Linearised, noise: np.ndarray) -> float:
     return float(np.clip(1.0 - leaves / does, 0.0, 1.0)) if does > 0.0 else 0.0
 
 
-def withheld(
-    study: Study, results: Sequence[CandidateResult], weights: Mapping[tuple[str, ...], float]
-) -> list[str]:
-    """A caveat for each base effect that the model leaves out and the most probable set does not hold: how much of what
-    it does the calibrated parameters can take over, for that much no recording can tell from none of it."""
-    best = max(weights, key=lambda effects: weights[effects])
+def withheld(study: Study, results: Sequence[CandidateResult], best: tuple[str, ...]) -> list[str]:
+    """A caveat for each base effect that the model leaves out and the most probable set ``best`` does not hold: how
+    much of what it does the calibrated parameters can take over. A name can rest on the remaining part only."""
     noise = study.kernels.total(tolerance=0.0, session=0.0, scatter=False)
     return [
         f"{name.replace('_', ' ')} is left out of the model, and of what it would do here the calibrated parameters "
