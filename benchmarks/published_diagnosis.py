@@ -3,8 +3,9 @@
     python benchmarks/published_diagnosis.py --campaign ../shared/published --results results/published --record
 
 prints a table and records docs/measurements/published_checks.json. ``--results`` is the folder that the published
-config's run has filled. Each check is kept in ``--work`` as soon as it is done, so that an interrupted call goes on;
-it says which commit it is of. What its hypotheses were weighed by (``weighed.Weighed``) stays there, unrecorded.
+config's run has filled. What each check has fitted is kept in ``--work`` as soon as it is done, with the commit that
+fitted it: an interrupted call goes on, and another rule for the verdict needs no fits. ``--only withheld`` makes the
+checks with that word in their names; the others stay as they were recorded.
 """
 
 from __future__ import annotations
@@ -21,8 +22,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 import numpy as np
-from measurement import commit, record
-from weighed import rows_of
+from measurement import FOLDER, commit, record
 
 from eaclutch.config import load_bench
 from eaclutch.diagnosis.conclude import conclude
@@ -30,6 +30,7 @@ from eaclutch.diagnosis.files import read_inputs
 from eaclutch.diagnosis.gaussian import Linearised, leave_out
 from eaclutch.diagnosis.inputs import DiagnosisInputs
 from eaclutch.diagnosis.pairs import with_pairs
+from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.files import read_json, write_json
@@ -46,6 +47,7 @@ def main() -> None:
     parser.add_argument("--results", type=Path, required=True)
     parser.add_argument("--work", type=Path, default=Path("published-checks"))
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--only", default="", help="a word in the names of the checks that are made")
     parser.add_argument("--record", action="store_true")
     chosen = parser.parse_args()
     inputs = read_inputs(chosen.results, load_bench(chosen.campaign), {})
@@ -63,29 +65,39 @@ def main() -> None:
             inputs, effects=(*kept_effects, *CLOSING)
         )
     jobs = [(name, case, chosen.work / f"{name.replace(' ', '_')}.json") for name, case in checks.items()]
+    jobs = [job for job in jobs if chosen.only in job[0]]
+    found: dict[str, dict[str, Any]] = {}
     with Pool(chosen.jobs) as pool:
-        for name, verdict in pool.imap_unordered(keep, jobs):
+        for name, done in pool.imap_unordered(checked, jobs):
+            verdict = done["verdict"]
             print(name, verdict["effects"], f"{verdict['probability']:.2f}", flush=True)
-    found = {name: {k: v for k, v in read_json(path).items() if k != "weighed"} for name, _, path in jobs}
-    found["full"]["left_out_levels_together"] = together(found["full"]["left_out_levels"])
+            found[name] = done
+    if "full" in found:
+        found["full"]["left_out_levels_together"] = together(found["full"]["left_out_levels"])
     if chosen.record:
+        if chosen.only:
+            found = read_json(FOLDER / "published_checks.json")["checks"] | found
         command = "python benchmarks/published_diagnosis.py --campaign <published> --results results/published --record"
-        record("published_checks", command, {"checks": found})
+        record("published_checks", command, {"checks": {name: found[name] for name in checks}})
 
 
-def keep(job: tuple[str, DiagnosisInputs, Path]) -> tuple[str, dict[str, Any]]:
-    """One check, done unless its file is there; its name and verdict."""
+def checked(job: tuple[str, DiagnosisInputs, Path]) -> tuple[str, dict[str, Any]]:
+    """One check's name and result, from the fits that its file keeps; made and kept where there is none."""
     name, inputs, path = job
     if not path.is_file():
-        write_json(path, {"commit": commit(), **check(inputs, name == "full")})
-    return name, read_json(path)["verdict"]
+        study = Study(inputs, load_thresholds())
+        found = [study.weigh(()), *(study.weigh((effect,)) for effect in study.candidates)]
+        found = with_pairs(study, found, PAIRS)
+        weighed = [result.document() for result in found]
+        write_json(path, {"commit": commit(), "study": study.fits, "weighed": weighed})
+    kept = read_json(path)
+    study = Study(inputs, load_thresholds(), known=kept["study"])
+    found = [CandidateResult.read(result) for result in kept["weighed"]]
+    return name, {"fits_of": kept["commit"], **check(study, found, name == "full")}
 
 
-def check(inputs: DiagnosisInputs, levels: bool) -> dict[str, Any]:
+def check(study: Study, found: Sequence[CandidateResult], levels: bool) -> dict[str, Any]:
     """Verdict, closure and the leading hypotheses of one variant; ``levels``: predictions of left-out levels too."""
-    study = Study(inputs, load_thresholds())
-    found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
-    found = with_pairs(study, found, PAIRS)
     document = conclude(study, found)
     named = tuple(document["verdict"]["effects"])
     out = {
@@ -94,7 +106,6 @@ def check(inputs: DiagnosisInputs, levels: bool) -> dict[str, Any]:
         "hypotheses": document["hypotheses"][:5],
         "parameters": {e["effect"]: e["parameters"] for e in document["causes"] if e["effect"] in named},
         "absorbed": document["absorbed"],
-        "weighed": rows_of(study, found),
     }
     return out | ({"left_out_levels": left_out_levels(study, out)} if levels else {})
 
