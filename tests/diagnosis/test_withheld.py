@@ -10,9 +10,9 @@ from diagnosis.simulated import inputs
 from eaclutch.diagnosis.gaussian import Linearised
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.weigh import NONE, UNKNOWN, probabilities
+from eaclutch.diagnosis.weigh import NONE, UNKNOWN, log_prior, probabilities
 from eaclutch.diagnosis.withheld import taken_over, withheld
-from eaclutch.physics.effects import BASE
+from eaclutch.physics.effects import BASE, CANDIDATES
 
 
 def weighed(effects, evidence):
@@ -22,16 +22,27 @@ def weighed(effects, evidence):
     )  # fmt: skip
 
 
-def test_by_equal_evidence_what_is_known_to_act_is_likelier_than_what_may():
-    thresholds = load_thresholds()
-    odds = thresholds["prior"]["base_odds"]
-    found = probabilities(
-        [weighed(e, 50.0 if e else 0.0) for e in (NONE, ("air_gap",), ("trigger_latency",))], thresholds
-    )
-    assert found[("air_gap",)] == pytest.approx(odds * found[("trigger_latency",)])
-    pairs = [("air_gap", "trigger_latency"), ("edge_wrap", "trigger_latency")]
-    found = probabilities([weighed(e, 50.0 if e else 0.0) for e in (NONE, *pairs)], thresholds)
-    assert found[pairs[0]] == pytest.approx(odds * found[pairs[1]]) and odds > 1.0
+def test_what_is_left_out_of_the_model_acts_or_does_not_whatever_else_acts():
+    prior, names = load_thresholds()["prior"], (*CANDIDATES, "air_gap")
+    odds = np.log(prior["base_odds"])
+    for others in ((), ("trigger_latency",), ("edge_wrap", "trigger_latency")):
+        alone = log_prior(others, names, prior)
+        assert log_prior((*others, "air_gap"), names, prior) == pytest.approx(alone + odds)
+        # and whether one more is weighed makes no candidate less likely
+        assert log_prior(others, CANDIDATES, prior) == pytest.approx(alone)
+
+
+def test_by_equal_evidence_what_is_left_out_is_likelier_than_a_candidate():
+    sets = [
+        NONE,
+        ("air_gap",),
+        ("trigger_latency",),
+        ("air_gap", "edge_wrap"),
+        ("edge_wrap", "trigger_latency"),
+    ]
+    found = probabilities([weighed(e, 20.0 if e else 0.0) for e in sets], load_thresholds())
+    assert found[sets[1]] > 100.0 * found[sets[2]]
+    assert found[sets[3]] == pytest.approx(found[sets[2]]) and found[sets[3]] > 100.0 * found[sets[4]]
 
 
 def test_what_parameters_follow_is_taken_over_and_what_they_cannot_is_not():

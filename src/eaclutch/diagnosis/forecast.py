@@ -19,7 +19,7 @@ from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.modulated import changes, gains
 from eaclutch.diagnosis.starts import scout_shifts
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.weigh import LIBRARY, named_scale, prior_odds
+from eaclutch.diagnosis.weigh import log_prior, named_scale
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.records import FloatArray
 
@@ -56,12 +56,11 @@ class Forecast:
         self.names = [*study.candidates, "unknown", "none"]
         thresholds = study.thresholds
         prior = thresholds["prior"]
-        named = (1.0 - prior["none"] - prior["unknown"]) / max(LIBRARY, len(self.clouds))
-        single = [named * prior_odds(name, prior) for name in study.candidates]
-        self.log_prior = np.log([*single, prior["unknown"], prior["none"]])
-        less = named * prior["lookalike_share"]
-        odds = [less * prior_odds(name, prior) for name in study.lookalikes]
-        self.lookalikes = list(zip(lookalikes, np.log(odds), strict=True))
+        single = [log_prior((name,), study.candidates, prior) for name in study.candidates]
+        self.log_prior = np.array([*single, np.log(prior["unknown"]), log_prior((), study.candidates, prior)])
+        less = float(np.log(prior["lookalike_share"]))
+        odds = [less + log_prior((name,), study.candidates, prior) for name in study.lookalikes]
+        self.lookalikes = list(zip(lookalikes, odds, strict=True))
         self.nameless_roots = [
             np.linalg.cholesky(self.covariance + self.kernels.tolerance * (factor**2 - 1.0))
             for factor in thresholds["nameless"]["factors"]
@@ -90,8 +89,8 @@ class Forecast:
         temperature = self.study.thresholds["temperature"]
         total = np.stack(scores, axis=1) / temperature + self.log_prior
         unknown = self.names.index("unknown")
-        for cloud, log_prior in self.lookalikes:
-            looks = cloud.evidence(a) / temperature + log_prior
+        for cloud, prior in self.lookalikes:
+            looks = cloud.evidence(a) / temperature + prior
             total[:, unknown] = np.logaddexp(total[:, unknown], looks)
         weights = np.exp(total - logsumexp(total, axis=1, keepdims=True))
         odds = float(self.study.thresholds["unknown_odds"])

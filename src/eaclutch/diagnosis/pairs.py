@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import combinations
+from itertools import combinations, product
 
 import numpy as np
 from scipy.linalg import cho_factor, cho_solve
@@ -15,13 +15,14 @@ from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.starts import scout_shifts
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import counted_evidence
+from eaclutch.physics.effects import BASE
 
 Counted = Callable[[CandidateResult], float]
 
 WORTH_A_PAIR = 4.0  # nats that the best single effect must gain
 WORTH_AGAIN = 3.0  # nats that a pair gains over one of its effects
 LEADERS = 4  # singles that a second effect is tried on top of
-FOREMOST = 3  # of these, whose pairs with each other are weighed whatever slopes promise around a large gap
+FOREMOST = 3  # of these, some of whose pairs are weighed whatever slopes promise
 
 
 @dataclass(frozen=True)
@@ -110,6 +111,7 @@ def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) 
     """Fit the ``limit`` most promising pairs, each also from the fit of the one effect with the other on top.
 
     Around a gap that no single effect narrows slopes promise badly: the pairs of the foremost singles are fitted, too.
+    So are those of the foremost with each base effect that the model leaves out.
     """
     counted = counted_evidence(singles, spread.study.thresholds)
     named = sorted((r for r in singles if len(r.effects) == 1), key=counted, reverse=True)
@@ -126,13 +128,16 @@ def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) 
             if promise > promises.get((first, second), (-np.inf, fitted))[0]:
                 promises[first, second] = promise, fitted
     best = sorted(promises, key=lambda pair: -promises[pair][0])[:limit]
+    foremost = [leader.effects[0] for leader in leaders[:FOREMOST]]
     if _is_wide(spread.study, leaders[0]):
-        names = sorted(leader.effects[0] for leader in leaders[:FOREMOST])
-        best += [pair for pair in combinations(names, 2) if pair not in best]
+        best += combinations(sorted(foremost), 2)
+    # what the model was told to leave out acts, if it does, beside whatever leads
+    known = [name for name in spread.study.candidates if name in BASE]
+    best += [min((a, b), (b, a)) for a, b in product(foremost, known) if a != b]
     alone = {r.effects[0]: r for r in named}
     fits = [
         _Fit(pair, _seeds([alone[name] for name in pair if name in alone]), promises[pair][1])
-        for pair in best
+        for pair in dict.fromkeys(best)
     ]
     return spread(_weigh, fits)
 

@@ -107,10 +107,22 @@ def named_scale(named: ArrayLike, unknown: ArrayLike, odds: float) -> FloatArray
     return np.asarray((named + unknown) / (named + odds * unknown))
 
 
-def prior_odds(name: str, prior: Mapping[str, Any]) -> float:
-    """Factor on the prior probability of every set that holds the effect ``name`` (``odds``; ``base_odds`` for one of
-    the base model that a campaign's model leaves out: it is known to act)."""
-    return float(prior["odds"].get(name, 1.0)) * (float(prior["base_odds"]) if name in BASE else 1.0)
+def log_prior(effects: Sequence[str], names: Sequence[str], prior: Mapping[str, Any]) -> float:
+    """Log of the prior probability of a set of ``effects``, up to a constant, where ``names`` may be named.
+
+    Candidates are few and seldom: none, one, two of them. An effect of the base model, weighed where a campaign's model
+    leaves it out, acts or does not whatever candidates do (``base_odds``)."""
+    candidates = [name for name in effects if name not in BASE]
+    # an effect is as likely beforehand whether few others are weighed or many
+    count = max(LIBRARY, sum(name not in BASE for name in names))
+    named = 1.0 - prior["none"] - prior["unknown"]
+    share = (
+        prior["none"],
+        named * (1.0 - prior["pair_share"]) / count,
+        named * prior["pair_share"] / (count * (count - 1) // 2),
+    )[len(candidates)]
+    odds = [prior["base_odds"] if name in BASE else prior["odds"].get(name, 1.0) for name in effects]
+    return float(np.log(share) + np.sum(np.log(odds)))
 
 
 def unknown_as(results: Sequence[CandidateResult], thresholds: Mapping[str, Any]) -> str:
@@ -128,19 +140,11 @@ def _scores(
     prior = thresholds["prior"]
     rivals = [r for r in results if set(r.effects) & set(LOOKALIKES)]
     own = [r for r in results if r not in rivals]
-    named = 1.0 - prior["none"] - prior["unknown"]
-    # an effect is as likely beforehand whether few others are weighed or many
-    count = max(LIBRARY, sum(len(r.effects) == 1 for r in own))
-    share = {
-        0: prior["none"],
-        1: named * (1.0 - prior["pair_share"]) / count,
-        2: named * prior["pair_share"] / (count * (count - 1) // 2),
-    }
+    names = [r.effects[0] for r in own if len(r.effects) == 1]
     counted, temperature = counted_evidence(results, thresholds), float(thresholds["temperature"])
 
     def score(result: CandidateResult) -> float:
-        odds = sum(float(np.log(prior_odds(name, prior))) for name in result.effects)
-        return counted(result) / temperature + float(np.log(share[len(result.effects)])) + odds
+        return counted(result) / temperature + log_prior(result.effects, names, prior)
 
     nameless = max(r.log_evidence_without_open for r in results) / temperature + float(
         np.log(prior["unknown"])
