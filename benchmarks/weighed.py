@@ -5,7 +5,7 @@ Each case is kept in ``<work>/weighed`` as soon as it is done.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -41,14 +41,27 @@ class Weighed:
 
 def weigh_case(job: Job) -> None:
     """Make one case and weigh every hypothesis on it."""
+    if not kept(job).is_file():
+        weigh_campaign(job, *made(job))
+
+
+def kept(job: Job) -> Path:
+    """The file that keeps what a case's hypotheses are weighed by."""
     entry, work = job
-    target = work / "weighed" / f"{entry.case}.json"
-    if target.is_file():
-        return
-    answer, study = made(job)
+    return work / "weighed" / f"{entry.case}.json"
+
+
+def weigh_campaign(job: Job, answer: Mapping[str, Any], study: Study) -> None:
+    """Weigh every hypothesis on a case's campaign and keep what they are weighed by."""
     found = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
     found = with_pairs(study, found, PAIRS)
-    write_json(target, {"answer": answer, "weighed": rows_of(study, found)})
+    write_json(kept(job), {"answer": answer, "weighed": rows_of(study, found)})
+
+
+def read_case(job: Job) -> tuple[Any, list[Weighed]]:
+    """(answer, hypotheses) of a case that is done."""
+    document = read_json(kept(job))
+    return document["answer"], [Weighed(tuple(e), *numbers) for e, *numbers in document["weighed"]]
 
 
 def rows_of(study: Study, found: Sequence[CandidateResult]) -> list[list[Any]]:
@@ -75,13 +88,7 @@ def rows_of(study: Study, found: Sequence[CandidateResult]) -> list[list[Any]]:
 def weigh_all(entries: Sequence[plan.Entry], work: Path, jobs: int) -> list[tuple[Any, list[Weighed]]]:
     """(answer, hypotheses) of every case, made and weighed where that is not done yet."""
     for_each(weigh_case, entries, work, jobs)
-    cases = []
-    for entry in entries:
-        document = read_json(work / "weighed" / f"{entry.case}.json")
-        cases.append(
-            (document["answer"], [Weighed(tuple(e), *numbers) for e, *numbers in document["weighed"]])
-        )
-    return cases
+    return [read_case((entry, work)) for entry in entries]
 
 
 def rows_left(rows: Sequence[Weighed]) -> dict[tuple[str, ...], float]:

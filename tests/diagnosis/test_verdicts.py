@@ -16,7 +16,7 @@ from eaclutch.diagnosis.conclude import caveats, conclude, session_spread, stopp
 from eaclutch.diagnosis.drift import RepeatDrift
 from eaclutch.diagnosis.forward import UNPREDICTED
 from eaclutch.diagnosis.inputs import DiagnosisInputs
-from eaclutch.diagnosis.next_experiment import _grid, _variance
+from eaclutch.diagnosis.next_experiment import _grid, _separated, _variance
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.readings import Readings
 from eaclutch.diagnosis.result import CandidateResult
@@ -250,6 +250,13 @@ def test_parameters_of_a_candidate_that_the_model_has_are_reported_and_the_confi
     assert document["absorbed"]["series_compliance.compliance"]["before"] == pytest.approx(2.5e-5, rel=0.2)
     p_values = [entry["p_value"] for entry in document["gap"]["by_observable"].values()]
     assert min(p_values) >= 1 / 21 and np.allclose(21 * np.array(p_values), np.round(21 * np.array(p_values)))
+
+
+def test_hypotheses_that_predict_the_same_are_still_two():
+    assert _separated(np.zeros((3, 3)), np.full(3, 1 / 3)) == (0, 1)
+    distance = np.zeros((3, 3))
+    distance[0, 2] = distance[2, 0] = 1.0
+    assert _separated(distance, np.full(3, 1 / 3)) == (0, 2)
 
 
 def test_a_new_experiment_is_of_one_session():

@@ -1,17 +1,22 @@
 """Base effects that a model leaves out: likelier beforehand than candidates, and never passed over in silence."""
 
+import json
 from dataclasses import replace
 from types import SimpleNamespace
 
+import jsonschema
 import numpy as np
 import pytest
 
 from diagnosis.simulated import inputs
+from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.gaussian import Linearised
+from eaclutch.diagnosis.pairs import _beside_the_lead, with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.verdict import decide
 from eaclutch.diagnosis.weigh import NONE, UNKNOWN, log_prior, probabilities
-from eaclutch.diagnosis.withheld import taken_over, withheld
+from eaclutch.diagnosis.withheld import taken_over, told_by, withheld
 from eaclutch.physics.effects import BASE, CANDIDATES
 
 
@@ -19,6 +24,7 @@ def weighed(effects, evidence):
     return SimpleNamespace(
         effects=effects, log_evidence=evidence, log_evidence_open=-1e3, log_evidence_without=0.0,
         log_evidence_without_open=0.0, gap_left_out=1.0, adequate_p=1.0, multipliers=(1.0, 1.0), repeat_drift=0.0,
+        remainder_law=(),
     )  # fmt: skip
 
 
@@ -40,9 +46,11 @@ def test_by_equal_evidence_what_is_left_out_is_likelier_than_a_candidate():
         ("air_gap", "edge_wrap"),
         ("edge_wrap", "trigger_latency"),
     ]
-    found = probabilities([weighed(e, 20.0 if e else 0.0) for e in sets], load_thresholds())
-    assert found[sets[1]] > 100.0 * found[sets[2]]
-    assert found[sets[3]] == pytest.approx(found[sets[2]]) and found[sets[3]] > 100.0 * found[sets[4]]
+    thresholds = load_thresholds()
+    odds = thresholds["prior"]["base_odds"]
+    found = probabilities([weighed(e, 20.0 if e else 0.0) for e in sets], thresholds)
+    assert found[sets[1]] > 50.0 * found[sets[2]]
+    assert found[sets[3]] == pytest.approx(odds * found[sets[2]]) and found[sets[3]] > 50.0 * found[sets[4]]
 
 
 def test_what_parameters_follow_is_taken_over_and_what_they_cannot_is_not():
@@ -54,6 +62,15 @@ def test_what_parameters_follow_is_taken_over_and_what_they_cannot_is_not():
     assert taken_over(np.zeros(3), fit, noise) == 0.0
 
 
+def test_what_nothing_takes_over_is_told_by_half_its_squared_size():
+    noise = np.eye(2)
+    shift = np.array([3.0, 0.0])
+    assert told_by(shift, Linearised(np.zeros(2), np.zeros((2, 1)), noise)) == pytest.approx(4.5)
+    # a parameter as wide as the effect, or a tolerance, leaves less of it
+    assert told_by(shift, Linearised(np.zeros(2), np.array([[3.0], [0.0]]), noise)) == pytest.approx(0.45)
+    assert told_by(shift, Linearised(np.zeros(2), np.zeros((2, 1)), 10.0 * noise)) == pytest.approx(0.45)
+
+
 def test_a_caveat_says_what_the_model_leaves_out_and_no_verdict_names():
     given = inputs()
     less = replace(given, effects=tuple(e for e in BASE if e != "air_gap"), candidates=("air_gap",))
@@ -61,7 +78,56 @@ def test_a_caveat_says_what_the_model_leaves_out_and_no_verdict_names():
     results = [study.weigh(()), study.weigh(("air_gap",))]
     notes = withheld(study, results, UNKNOWN)
     assert len(notes) == 1 and notes[0].startswith("air gap is left out of the model")
-    assert notes[0].endswith("%")
+    assert "%, and the rest can tell it by" in notes[0]
     assert withheld(study, results, ("air_gap",)) == []
     whole = Study(given, load_thresholds(), seed=3)
     assert withheld(whole, [whole.weigh(())], NONE) == []
+
+
+THREE = ("air_gap", "series_compliance", "substrate_inertia")
+PAIR = THREE[1:]
+
+
+def test_a_verdict_names_the_pair_that_three_are_built_on_with_the_probability_of_both():
+    thresholds = load_thresholds()
+    rows = [weighed(e, 0.0) for e in (NONE, PAIR, THREE)]
+    weights = {THREE: 0.6, UNKNOWN: 0.25, PAIR: 0.15, NONE: 0.0}
+    verdict = decide(weights, rows, thresholds)
+    assert verdict.effects == PAIR and verdict.probability == pytest.approx(0.75)
+    assert verdict.alternatives == (THREE, UNKNOWN)
+    assert "(probability 0.75, 0.60 of it with air gap beside them)" in verdict.why
+    # together they are less probable than what the library lacks
+    verdict = decide({THREE: 0.3, UNKNOWN: 0.6, PAIR: 0.1, NONE: 0.0}, rows, thresholds)
+    assert verdict.effects == UNKNOWN and verdict.alternatives == (THREE, PAIR)
+    assert "beside them" not in verdict.why
+
+
+def test_three_are_weighed_only_where_a_pair_of_candidates_leads():
+    study = SimpleNamespace(thresholds=load_thresholds())
+    rows = [weighed(e, 0.0) for e in (NONE, ("air_gap",), PAIR[:1])]
+    pair, with_gap = weighed(PAIR, 60.0), weighed(THREE[:2], 60.0)
+    assert _beside_the_lead(study, [*rows, pair]) == [(pair, rows[1])]
+    assert _beside_the_lead(study, [*rows, pair, with_gap]) == []  # a pair has room for it
+    assert _beside_the_lead(study, [*rows, weighed(PAIR[1:], 60.0)]) == []
+    assert _beside_the_lead(study, [rows[0], rows[2], pair]) == []  # nothing is left out
+
+
+def test_what_hardly_acts_does_not_take_the_place_of_a_pair(request):
+    sizes = {"series_compliance.compliance": 2.5e-5, "trigger_latency.delay": 3e-4}
+    names = ("series_compliance", "trigger_latency")
+    given = inputs(names, sizes)
+    less = replace(
+        given, effects=tuple(e for e in BASE if e != "film_weight"), candidates=("film_weight", *names)
+    )
+    study = Study(less, load_thresholds(), seed=3)
+    singles = [study.weigh(()), *(study.weigh((name,)) for name in study.candidates)]
+    found = with_pairs(study, singles, 2)
+    assert ("film_weight", *names) in [result.effects for result in found]
+    document = json.loads(json.dumps(conclude(study, found, campaigns=40)))
+    path = request.config.rootpath / "workflow" / "schemas" / "diagnosis.schema.json"
+    jsonschema.validate(document, json.loads(path.read_text()))
+    verdict = document["verdict"]
+    assert tuple(verdict["effects"]) == names
+    both = [e["probability"] for e in document["hypotheses"] if set(e["effects"]) >= set(names)]
+    assert verdict["probability"] == pytest.approx(sum(both)) and verdict["probability"] > 0.5
+    assert "film weight is left out of the model" in verdict["why"]

@@ -71,8 +71,9 @@ def next_experiments(
 def _separated(distance: FloatArray, p: FloatArray) -> tuple[int, int]:
     """The two contenders whose separation counts most there."""
     gain = np.outer(p, p) * -np.expm1(-distance / 8.0)
-    i, j = np.unravel_index(int(np.argmax(np.triu(gain, 1))), gain.shape)
-    return int(i), int(j)
+    i, j = np.triu_indices(len(p), 1)
+    most = int(np.argmax(gain[i, j]))
+    return int(i[most]), int(j[most])
 
 
 def _grid(study: Study) -> RunConditions:

@@ -1,4 +1,5 @@
-"""Pairs of effects: screened by their signatures, fitted only where two may explain more than one."""
+"""Pairs of effects: screened by their signatures, fitted only where two may explain more than one. Sets of three are
+weighed only where a base effect that the model leaves out stands beside the pair that leads."""
 
 from __future__ import annotations
 
@@ -14,7 +15,7 @@ from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.starts import scout_shifts
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.weigh import counted_evidence
+from eaclutch.diagnosis.weigh import counted_evidence, probabilities
 from eaclutch.physics.effects import BASE
 
 Counted = Callable[[CandidateResult], float]
@@ -60,7 +61,9 @@ def with_pairs(
         # a name must also hold against what only looks like it
         lookalikes = spread(_weigh, [_Fit((name,)) for name in study.lookalikes]) if leaders else []
         _better(spread, lookalikes, _afresh(study, lookalikes), counted)
-    return results + pairs + lookalikes
+        thirds = spread(_third, _beside_the_lead(study, results + pairs))
+        _better(spread, thirds, _afresh(study, thirds), counted)
+    return results + pairs + lookalikes + thirds
 
 
 def _better(spread: Spread, results: list[CandidateResult], fits: Sequence[_Fit], counted: Counted) -> None:
@@ -140,6 +143,23 @@ def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) 
         for pair in dict.fromkeys(best)
     ]
     return spread(_weigh, fits)
+
+
+def _beside_the_lead(study: Study, results: Sequence[CandidateResult]) -> list[tuple[CandidateResult, ...]]:
+    """Where a pair of candidates leads: the pair and, one at a time, the base effects that the model leaves out. A pair
+    has no room for these, and they act on every clutch."""
+    weights = probabilities(results, study.thresholds)
+    lead = max((r for r in results if r.effects), key=lambda r: weights[r.effects], default=None)
+    if lead is None or len(lead.effects) < 2 or set(lead.effects) & set(BASE):
+        return []
+    return [(lead, r) for r in results if len(r.effects) == 1 and r.effects[0] in BASE]
+
+
+def _third(study: Study, members: tuple[CandidateResult, ...]) -> CandidateResult:
+    """A pair with one more effect, from the fit of the pair."""
+    pair, single = members
+    fitted = study.fit(pair.effects, _seeds([pair]))
+    return study.weigh(tuple(sorted((*pair.effects, *single.effects))), _seeds(members), fitted)
 
 
 def _promises(study: Study, leader: CandidateResult) -> tuple[HypothesisFit, dict[str, float]]:

@@ -8,7 +8,7 @@ from typing import Any
 
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.weigh import NONE, UNKNOWN, unknown_as
-from eaclutch.physics.effects import EFFECTS
+from eaclutch.physics.effects import BASE, EFFECTS
 
 Effects = tuple[str, ...]
 
@@ -31,13 +31,20 @@ def decide(
     thresholds: Mapping[str, Any],
     notes: Sequence[str] = (),
 ) -> Verdict:
-    """The most probable set, with as many further sets as it takes to hold the truth nearly always."""
+    """The most probable set, with as many further sets as it takes to hold the truth nearly always.
+
+    A verdict names two effects at most. Where a third one, which the model was told to leave out, is weighed beside a
+    pair, that pair has the probability of both, and the three are among the alternatives."""
     rules = thresholds["verdict"]
-    order = sorted(weights, key=lambda effects: -weights[effects])
-    first = order[0]
+    said, beside = dict(weights), {}
+    for three in [effects for effects in weights if len(effects) > 2]:
+        pair = _pair_of(three, weights)
+        said[pair] += said.pop(three)
+        beside[three] = weights[three]
+    first = max(said, key=lambda effects: said[effects])
     held = weights[first]
     alternatives: list[Effects] = []
-    for effects in order[1:]:
+    for effects in sorted((e for e in weights if e != first), key=lambda effects: -weights[effects]):
         if held >= rules["set_coverage"] or len(alternatives) + 1 >= rules["set_members"]:
             break
         if weights[effects] < rules["smallest_alternative"]:
@@ -46,13 +53,26 @@ def decide(
         held += weights[effects]
     fitted = {r.effects: r for r in results}
     like = unknown_as(results, thresholds)
-    sentence = _sentence(first, weights[first], alternatives, fitted, rules, notes, like)
-    return Verdict(first, weights[first], tuple(alternatives), sentence, like)
+    more = [
+        f"{p:.2f} of it with {in_words(tuple(sorted(set(three) - set(first))))} beside them"
+        for three, p in beside.items()
+        if set(three) > set(first) and first not in (NONE, UNKNOWN)
+    ]
+    sentence = _sentence(
+        first, ", ".join([f"{said[first]:.2f}", *more]), alternatives, fitted, rules, notes, like
+    )
+    return Verdict(first, said[first], tuple(alternatives), sentence, like)
+
+
+def _pair_of(three: Effects, weights: Mapping[Effects, float]) -> Effects:
+    """The pair that a set of three was built on: without the base effect."""
+    rest = {name for name in three if name not in BASE}
+    return next(effects for effects in weights if set(effects) == rest)
 
 
 def _sentence(
     first: Effects,
-    probability: float,
+    probability: str,
     alternatives: Sequence[Effects],
     fitted: Mapping[Effects, CandidateResult],
     rules: Mapping[str, Any],
@@ -65,7 +85,7 @@ def _sentence(
         text = _unknown(fitted.get(NONE), like)
     else:
         text = f"{in_words(first)} explains the gap best, the calibrated parameters refitted along with it"
-    text += f" (probability {probability:.2f})"
+    text += f" (probability {probability})"
     if first not in (NONE, UNKNOWN) and fitted[first].adequate_p < rules["adequate_p_value"]:
         text += f"; a part remains that it does not explain (p = {fitted[first].adequate_p:.2g} that noise makes it)"
     if alternatives:

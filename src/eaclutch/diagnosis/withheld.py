@@ -12,6 +12,8 @@ from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.study import Study
 from eaclutch.physics.effects import BASE
 
+SURELY = 2.0  # sd below its full strength, from which the data bear less of a law than it says
+
 
 def taken_over(shift: np.ndarray, fit: Linearised, noise: np.ndarray) -> float:
     """Share (0 to 1) of what an effect does, ``shift`` (entries,) in mean squares of the repeats' ``noise`` (entries,
@@ -22,15 +24,35 @@ def taken_over(shift: np.ndarray, fit: Linearised, noise: np.ndarray) -> float:
     return float(np.clip(1.0 - leaves / does, 0.0, 1.0)) if does > 0.0 else 0.0
 
 
+def told_by(shift: np.ndarray, fit: Linearised) -> float:
+    """Nats by which data are expected to speak for an effect that moves them by ``shift`` (entries,), against the base
+    model's ``fit`` that lacks it, with what the fit leaves open in them: its parameters, noise, sessions, tolerance."""
+    return 0.5 * float(shift @ np.linalg.solve(fit.marginal(), shift))
+
+
 def withheld(study: Study, results: Sequence[CandidateResult], best: tuple[str, ...]) -> list[str]:
-    """A caveat for each base effect that the model leaves out and the most probable set ``best`` does not hold: how
-    much of what it does the calibrated parameters can take over. A name can rest on the remaining part only."""
+    """A caveat for each base effect that the model leaves out.
+
+    Of one that the most probable set ``best`` does not hold: how much of what it does the calibrated parameters can
+    take over, and how many nats the rest could tell it by. Of one that it holds: its strength, where the data bear
+    surely less than its law says (1)."""
     noise = study.kernels.total(tolerance=0.0, session=0.0, scatter=False)
-    return [
-        f"{name.replace('_', ' ')} is left out of the model, and of what it would do here the calibrated parameters "
-        f"can take over {taken_over(np.array(result.shift), study.base.linearised, noise):.0%}"
-        for name in study.candidates
-        if name in BASE and name not in best
-        for result in results
-        if result.effects == (name,)
-    ]
+    fit, notes = study.base.linearised, []
+    for result in results:
+        if len(result.effects) != 1 or result.effects[0] not in BASE or result.effects[0] in best:
+            continue
+        name, shift = result.effects[0].replace("_", " "), np.array(result.shift)
+        notes.append(
+            f"{name} is left out of the model; of what it would do here the calibrated parameters can take over "
+            f"{taken_over(shift, fit, noise):.0%}, and the rest can tell it by {told_by(shift, fit):.0f} nats beyond "
+            "noise and what this model's laws may be off by"
+        )
+    for result in results:
+        for name in set(best) & set(BASE) if result.effects == best else ():
+            strength = result.parameters["strength" if len(best) == 1 else f"{name}.strength"]
+            if strength["mean"] + SURELY * strength["sd"] < 1.0:
+                notes.append(
+                    f"the data bear {strength['mean']:.2f} +- {strength['sd']:.2f} of what the law of "
+                    f"{name.replace('_', ' ')} says"
+                )
+    return notes
