@@ -3,8 +3,9 @@
     python benchmarks/base_withheld.py --seed 20701 --work base-withheld --each 2
 
 Simulated campaigns of the open namespace of ``eaclutch.blind``, in which every base effect acts: ``--each`` for each of
-them without another effect, and as many with one candidate beside it, at 2-4 times config/blind_limits.json. Each is
-diagnosed with a model that lacks the one base effect. ``--record`` writes docs/measurements/base_withheld.json.
+them without another effect, as many with one candidate beside it, and one with two, at 2-4 times
+config/blind_limits.json. Each is diagnosed with a model that lacks the one base effect. ``--record`` writes
+docs/measurements/base_withheld.json.
 """
 
 from __future__ import annotations
@@ -41,10 +42,19 @@ def main() -> None:
     )
     parser.add_argument("--record", action="store_true")
     chosen = parser.parse_args()
-    count = chosen.each * len(BASE)
-    entries = plan.make_plan(
-        "dev", chosen.seed, none=count, unknown=0, singles=count, pairs=0, limits=read_json(LIMITS)
-    )
+    count, limits = chosen.each * len(BASE), read_json(LIMITS)
+    entries = [
+        *plan.make_plan("dev", chosen.seed, none=count, unknown=0, singles=count, pairs=0, limits=limits),
+        *plan.make_plan(
+            "dev",
+            chosen.seed,
+            none=0,
+            unknown=0,
+            pairs=len(BASE),
+            limits=limits,
+            prefix=f"dev-{chosen.seed}-two",
+        ),
+    ]
     for_each(weigh_without, entries, chosen.work, chosen.jobs)
     said = sorted((said_of(entry, chosen.work) for entry in entries), key=lambda row: row["truth"])
     for row in said:
