@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from eaclutch.inference.cells import Cells
 from eaclutch.inference.coverage import LEVELS, calibration, coverage_document, ranks
+from eaclutch.inference.predict_campaign import _Campaign
 from eaclutch.inference.repeatability import scatter
+from eaclutch.physics.model import ClutchModel
+from eaclutch.records import Bench
 
 NOTHING = np.zeros(1000)  # measurement error
 
@@ -81,3 +86,22 @@ def test_runs_without_a_number_do_not_count():
     assert np.isfinite(found).tolist() == [True, False, False]
     document = coverage_document({"in_sample": {"a": found}})
     assert document["in_sample"]["a"]["runs"] == 1
+
+
+def test_a_fit_that_has_not_seen_a_session_keeps_its_draws_inside_their_bounds(monkeypatch):
+    share = "drive_rise_fall.reversal_share"
+    conditions = SimpleNamespace(run=("a", "b", "c"), session=("1", "1", "2"))
+    inputs = SimpleNamespace(parameters=ClutchModel(Bench("x")).parameters, multiplier_form="linear")
+    campaign = _Campaign(
+        None, inputs, SimpleNamespace(conditions=conditions), {"other": np.ones(3)}, None, 1, 3
+    )
+    moved = {share: np.array([-0.2, 0.4, 1.7])}
+    monkeypatch.setattr(_Campaign, "refit", lambda self, gone, rng: dict(moved))
+    found = list(campaign.left_out("left_out_session", conditions.session, 2))
+    assert len(found) == 2
+    for fold in found:
+        assert fold.joint[share].tolist() == [0.0, 0.4, 1.0] and fold.joint["other"].tolist() == [
+            1.0,
+            1.0,
+            1.0,
+        ]
