@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import argparse
 import os
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -61,7 +62,23 @@ def main() -> None:
         print(row)
     if chosen.record:
         command = f"python benchmarks/base_withheld.py --seed {chosen.seed} --work base-withheld --each {chosen.each}"
-        record("base_withheld", command, {"said": said})
+        record("base_withheld", command, counted(said) | {"said": said})
+
+
+def counted(said: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """How many cases, in how many the verdict holds what was withheld, the set of alternatives does, and every name of
+    the verdict is true."""
+    names = [set(row["said"].split(" and ")) - {"none"} for row in said]
+    truths = [set(row["truth"].split(" and ")) for row in said]
+    return {
+        "cases": len(said),
+        "named": sum(row["withheld"] in found for row, found in zip(said, names, strict=True)),
+        "in_the_set": sum(
+            row["withheld"] in found.union(*(a.split(" and ") for a in row["alternatives"]))
+            for row, found in zip(said, names, strict=True)
+        ),
+        "no_wrong_name": sum(found <= truth for found, truth in zip(names, truths, strict=True)),
+    }
 
 
 def withheld_of(entry: plan.Entry) -> str:
