@@ -78,8 +78,15 @@ def test_a_caveat_says_what_the_model_leaves_out_and_no_verdict_names():
     results = [study.weigh(()), study.weigh(("air_gap",))]
     notes = withheld(study, results, UNKNOWN)
     assert len(notes) == 1 and notes[0].startswith("air gap is left out of the model")
-    assert "%, and the rest can tell it by" in notes[0]
+    assert "%, and the rest could tell it by" in notes[0]
     assert withheld(study, results, ("air_gap",)) == []
+    strength = {"mean": 0.2, "sd": 0.1, "unit": "1"}
+    weak = replace(results[1], parameters={"strength": strength})
+    assert withheld(study, [results[0], weak], ("air_gap",)) == [
+        "the data bear 0.20 +- 0.10 of what the law of air gap says"
+    ]
+    strength["sd"] = 0.5  # it may be all of it
+    assert withheld(study, [results[0], weak], ("air_gap",)) == []
     whole = Study(given, load_thresholds(), seed=3)
     assert withheld(whole, [whole.weigh(())], NONE) == []
 

@@ -44,15 +44,18 @@ def withheld(study: Study, results: Sequence[CandidateResult], best: tuple[str, 
         name, shift = result.effects[0].replace("_", " "), np.array(result.shift)
         notes.append(
             f"{name} is left out of the model; of what it would do here the calibrated parameters can take over "
-            f"{taken_over(shift, fit, noise):.0%}, and the rest can tell it by {told_by(shift, fit):.0f} nats beyond "
+            f"{taken_over(shift, fit, noise):.0%}, and the rest could tell it by {told_by(shift, fit):.0f} nats beyond "
             "noise and what this model's laws may be off by"
         )
-    for result in results:
-        for name in set(best) & set(BASE) if result.effects == best else ():
-            strength = result.parameters["strength" if len(best) == 1 else f"{name}.strength"]
-            if strength["mean"] + SURELY * strength["sd"] < 1.0:
-                notes.append(
-                    f"the data bear {strength['mean']:.2f} +- {strength['sd']:.2f} of what the law of "
-                    f"{name.replace('_', ' ')} says"
-                )
+    strengths = {
+        name: result.parameters["strength" if len(best) == 1 else f"{name}.strength"]
+        for result in results
+        for name in best
+        if result.effects == best and name in BASE
+    }
+    notes += [
+        f"the data bear {found['mean']:.2f} +- {found['sd']:.2f} of what the law of {name.replace('_', ' ')} says"
+        for name, found in strengths.items()
+        if found["mean"] + SURELY * found["sd"] < 1.0
+    ]
     return notes
