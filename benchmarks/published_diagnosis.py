@@ -93,7 +93,7 @@ def checked(job: tuple[str, DiagnosisInputs, Path]) -> tuple[str, dict[str, Any]
     kept = read_json(path)
     study = Study(inputs, load_thresholds(), known=kept["study"])
     found = [CandidateResult.read(result) for result in kept["weighed"]]
-    return name, {"fits_of": kept["commit"], **check(study, found, name == "full")}
+    return name, {"commit": commit(), "fits_of": kept["commit"], **check(study, found, name == "full")}
 
 
 def check(study: Study, found: Sequence[CandidateResult], levels: bool) -> dict[str, Any]:
