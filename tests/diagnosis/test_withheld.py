@@ -85,10 +85,21 @@ def test_a_caveat_says_what_the_model_leaves_out_and_no_verdict_names():
     assert withheld(study, [results[0], weak], ("air_gap",)) == [
         "the data bear 0.20 +- 0.10 of what the law of air gap says"
     ]
+    switch = replace(results[1], parameters={})
+    assert withheld(study, [results[0], switch], ("air_gap",)) == []
     strength["sd"] = 0.5  # it may be all of it
     assert withheld(study, [results[0], weak], ("air_gap",)) == []
     whole = Study(given, load_thresholds(), seed=3)
     assert withheld(whole, [whole.weigh(())], NONE) == []
+
+
+def test_a_switch_that_is_left_out_is_named_and_has_no_strength():
+    given = inputs(repeats=2)
+    switch = "load_cell_dynamics"
+    less = replace(given, effects=tuple(e for e in BASE if e != switch), candidates=(switch,))
+    study = Study(less, load_thresholds(), seed=3)
+    document = conclude(study, [study.weigh(()), study.weigh((switch,))], campaigns=40)
+    assert document["verdict"]["effects"] == [switch] and "the data bear" not in document["verdict"]["why"]
 
 
 THREE = ("air_gap", "series_compliance", "substrate_inertia")

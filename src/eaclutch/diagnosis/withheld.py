@@ -48,7 +48,7 @@ def withheld(study: Study, results: Sequence[CandidateResult], best: tuple[str, 
             "noise and what this model's laws may be off by"
         )
     strengths = {
-        name: result.parameters["strength" if len(best) == 1 else f"{name}.strength"]
+        name: result.parameters.get("strength" if len(best) == 1 else f"{name}.strength")
         for result in results
         for name in best
         if result.effects == best and name in BASE
@@ -56,6 +56,7 @@ def withheld(study: Study, results: Sequence[CandidateResult], best: tuple[str, 
     notes += [
         f"the data bear {found['mean']:.2f} +- {found['sd']:.2f} of what the law of {name.replace('_', ' ')} says"
         for name, found in strengths.items()
-        if found["mean"] + SURELY * found["sd"] < 1.0
+        # a switch has no strength in between, and one that moves nothing has none that was fitted
+        if found and found["mean"] + SURELY * found["sd"] < 1.0
     ]
     return notes
