@@ -44,18 +44,10 @@ def main() -> None:
     parser.add_argument("--record", action="store_true")
     chosen = parser.parse_args()
     count, limits = chosen.each * len(BASE), read_json(LIMITS)
-    entries = [
-        *plan.make_plan("dev", chosen.seed, none=count, unknown=0, singles=count, pairs=0, limits=limits),
-        *plan.make_plan(
-            "dev",
-            chosen.seed,
-            none=0,
-            unknown=0,
-            pairs=len(BASE),
-            limits=limits,
-            prefix=f"dev-{chosen.seed}-two",
-        ),
-    ]
+    one = plan.make_plan("dev", chosen.seed, none=count, unknown=0, singles=count, pairs=0, limits=limits)
+    prefix = f"dev-{chosen.seed}-two"
+    two = plan.make_plan("dev", chosen.seed, none=0, unknown=0, pairs=len(BASE), limits=limits, prefix=prefix)
+    entries = [*one, *two]
     for_each(weigh_without, entries, chosen.work, chosen.jobs)
     said = sorted((said_of(entry, chosen.work) for entry in entries), key=lambda row: row["truth"])
     for row in said:

@@ -66,6 +66,8 @@ def main() -> None:
         )
     jobs = [(name, case, chosen.work / f"{name.replace(' ', '_')}.json") for name, case in checks.items()]
     jobs = [job for job in jobs if chosen.only in job[0]]
+    if not jobs:
+        parser.error(f"--only {chosen.only}: no check has that in its name; there are {', '.join(checks)}")
     found: dict[str, dict[str, Any]] = {}
     with Pool(chosen.jobs) as pool:
         for name, done in pool.imap_unordered(checked, jobs):

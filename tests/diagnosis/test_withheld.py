@@ -14,7 +14,7 @@ from eaclutch.diagnosis.gaussian import Linearised
 from eaclutch.diagnosis.pairs import _beside_the_lead, with_pairs
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.verdict import decide
+from eaclutch.diagnosis.verdict import built_on, decide, leading
 from eaclutch.diagnosis.weigh import NONE, UNKNOWN, log_prior, probabilities
 from eaclutch.diagnosis.withheld import taken_over, told_by, withheld
 from eaclutch.physics.effects import BASE, CANDIDATES
@@ -114,6 +114,10 @@ def test_a_verdict_names_the_pair_that_three_are_built_on_with_the_probability_o
     assert verdict.effects == PAIR and verdict.probability == pytest.approx(0.75)
     assert verdict.alternatives == (THREE, UNKNOWN)
     assert "(probability 0.75, 0.60 of it with air gap beside them)" in verdict.why
+    # each of them alone is less probable than what the library lacks, both are not
+    weights = {THREE: 0.35, UNKNOWN: 0.4, PAIR: 0.25, NONE: 0.0}
+    assert leading(weights) == (PAIR, pytest.approx(0.6))
+    assert built_on(PAIR, weights) == [THREE] and built_on(NONE, weights) == built_on(UNKNOWN, weights) == []
     # together they are less probable than what the library lacks
     verdict = decide({THREE: 0.3, UNKNOWN: 0.6, PAIR: 0.1, NONE: 0.0}, rows, thresholds)
     assert verdict.effects == UNKNOWN and verdict.alternatives == (THREE, PAIR)

@@ -100,8 +100,5 @@ def test_a_fit_that_has_not_seen_a_session_keeps_its_draws_inside_their_bounds(m
     found = list(campaign.left_out("left_out_session", conditions.session, 2))
     assert len(found) == 2
     for fold in found:
-        assert fold.joint[share].tolist() == [0.0, 0.4, 1.0] and fold.joint["other"].tolist() == [
-            1.0,
-            1.0,
-            1.0,
-        ]
+        assert fold.joint[share].tolist() == [0.0, 0.4, 1.0]
+        assert fold.joint["other"].tolist() == [1.0, 1.0, 1.0]

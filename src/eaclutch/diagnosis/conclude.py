@@ -18,7 +18,7 @@ from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.session_moves import sessions_apart
 from eaclutch.diagnosis.study import SESSION_SPREADS, Study
-from eaclutch.diagnosis.verdict import Verdict, decide, in_words
+from eaclutch.diagnosis.verdict import Verdict, built_on, decide, in_words, leading
 from eaclutch.diagnosis.weigh import NONE, UNKNOWN, probabilities
 from eaclutch.diagnosis.withheld import withheld
 
@@ -35,9 +35,10 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
     _, groups = condition_groups(study.data)
     left = leave_out(linearised, groups)
     weights = probabilities(results, study.thresholds, surely_left(study, results))
-    best = max(weights, key=lambda effects: weights[effects])
-    notes = [*caveats(study), *far_apart(study, results, best), *stopped(results, best)]
-    notes += [*widened(study, results, best), *withheld(study, results, best)]
+    best, _ = leading(weights)
+    largest = max([best, *built_on(best, weights)], key=lambda effects: weights[effects])
+    notes = [*caveats(study), *far_apart(study, results, best), *stopped(results, largest)]
+    notes += [*widened(study, results, best), *withheld(study, results, largest)]
     verdict = decide(weights, results, study.thresholds, notes)
     after = _after(verdict, results, base)
     strict = study.kernels.total(tolerance=0.0, session=session_spread(study, after), scatter=False)

@@ -146,8 +146,7 @@ def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) 
 
 
 def _beside_the_lead(study: Study, results: Sequence[CandidateResult]) -> list[tuple[CandidateResult, ...]]:
-    """Where a pair of candidates leads: the pair and, one at a time, the base effects that the model leaves out. A pair
-    has no room for these, and they act on every clutch."""
+    """Where a pair of candidates leads: the pair and, one at a time, the base effects that the model leaves out."""
     weights = probabilities(results, study.thresholds)
     lead = max((r for r in results if r.effects), key=lambda r: weights[r.effects], default=None)
     if lead is None or len(lead.effects) < 2 or set(lead.effects) & set(BASE):

@@ -33,15 +33,10 @@ def decide(
 ) -> Verdict:
     """The most probable set, with as many further sets as it takes to hold the truth nearly always.
 
-    A verdict names two effects at most. Where a third one, which the model was told to leave out, is weighed beside a
-    pair, that pair has the probability of both, and the three are among the alternatives."""
+    A verdict names two effects at most (``leading``). Where a third one, which the model was told to leave out, is
+    weighed beside a pair, the three are among the alternatives."""
     rules = thresholds["verdict"]
-    said, beside = dict(weights), {}
-    for three in [effects for effects in weights if len(effects) > 2]:
-        pair = _pair_of(three, weights)
-        said[pair] += said.pop(three)
-        beside[three] = weights[three]
-    first = max(said, key=lambda effects: said[effects])
+    first, probability = leading(weights)
     held = weights[first]
     alternatives: list[Effects] = []
     for effects in sorted((e for e in weights if e != first), key=lambda effects: -weights[effects]):
@@ -54,20 +49,30 @@ def decide(
     fitted = {r.effects: r for r in results}
     like = unknown_as(results, thresholds)
     more = [
-        f"{p:.2f} of it with {in_words(tuple(sorted(set(three) - set(first))))} beside them"
-        for three, p in beside.items()
-        if set(three) > set(first) and first not in (NONE, UNKNOWN)
+        f"{weights[three]:.2f} of it with {in_words(tuple(e for e in three if e not in first))} beside them"
+        for three in built_on(first, weights)
+        if weights[three] >= rules["smallest_alternative"]
     ]
-    sentence = _sentence(
-        first, ", ".join([f"{said[first]:.2f}", *more]), alternatives, fitted, rules, notes, like
-    )
-    return Verdict(first, said[first], tuple(alternatives), sentence, like)
+    words = ", ".join([f"{probability:.2f}", *more])
+    sentence = _sentence(first, words, alternatives, fitted, rules, notes, like)
+    return Verdict(first, probability, tuple(alternatives), sentence, like)
 
 
-def _pair_of(three: Effects, weights: Mapping[Effects, float]) -> Effects:
-    """The pair that a set of three was built on: without the base effect."""
-    rest = {name for name in three if name not in BASE}
-    return next(effects for effects in weights if set(effects) == rest)
+def leading(weights: Mapping[Effects, float]) -> tuple[Effects, float]:
+    """The set that a verdict names, two effects at most, and its probability: a pair's with that of the sets of three
+    that are built on it."""
+    said = {
+        effects: weight + sum(weights[three] for three in built_on(effects, weights))
+        for effects, weight in weights.items()
+        if len(effects) <= 2
+    }
+    first = max(said, key=lambda effects: said[effects])
+    return first, said[first]
+
+
+def built_on(pair: Effects, weights: Mapping[Effects, float]) -> list[Effects]:
+    """The sets of three that are a pair of candidates and one base effect that the model leaves out."""
+    return [effects for effects in weights if len(effects) > 2 and set(effects) - set(BASE) == set(pair)]
 
 
 def _sentence(

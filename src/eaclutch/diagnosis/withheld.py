@@ -1,4 +1,4 @@
-"""Base effects that a model was told to leave out: they act on every clutch, whatever a verdict says of them."""
+"""Base effects that a model was told to leave out: what a verdict has to say of each, named or not."""
 
 from __future__ import annotations
 
