@@ -112,6 +112,22 @@ def test_other_verdicts(results_folder: Path, verdict: dict, words: str) -> None
     assert words in heading(page(results_folder, **verdict))
 
 
+def test_a_third_effect_beside_the_pair_that_is_named_is_said_with_its_share(results_folder: Path) -> None:
+    pair, three = ["gap_tilt", "trapped_charge"], ["air_gap", "gap_tilt", "trapped_charge"]
+    path = results_folder / "diagnosis" / "diagnosis.json"
+    document = read_json(path)
+    document["hypotheses"] = [{"effects": three, "probability": 0.6}, {"effects": pair, "probability": 0.15}]
+    write_json(path, document)
+    said = heading(page(results_folder, effects=pair, probability=0.75, alternatives=[three, ["unknown"]]))
+    assert said == (
+        "The gap points to gap tilt and trapped charge (probability 75 %; 60 % with air gap besides), "
+        "but these data cannot tell it from an effect outside the library."
+    )
+    # beside another verdict the three are a rival like any other
+    said = heading(page(results_folder, effects=["unknown"], alternatives=[three]))
+    assert "air gap and gap tilt and trapped charge cannot be ruled out" in said
+
+
 def test_a_gap_at_the_noise_floor_is_none(results_folder: Path) -> None:
     path = results_folder / "diagnosis" / "diagnosis.json"
     document = read_json(path)

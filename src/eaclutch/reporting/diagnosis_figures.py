@@ -9,6 +9,7 @@ from eaclutch.reporting.drawing import BLUE, GREEN, GREY, INK, VERMILION, Pictur
 from eaclutch.reporting.results import Results
 from eaclutch.reporting.words import (
     effect_words,
+    holds_the_pair,
     number,
     observable_words,
     percent,
@@ -159,7 +160,8 @@ def hypotheses_figure(diagnosis: Mapping[str, Any]) -> Picture | None:
         axes,
     ):
         for y, (_, probability, effects) in enumerate(bars):
-            colour = BLUE if effects == diagnosis["verdict"]["effects"] else GREY
+            said = diagnosis["verdict"]["effects"]
+            colour = BLUE if effects == said or (effects and holds_the_pair(effects, said)) else GREY
             axes.barh(y, probability, color=colour, height=0.62)
             axes.annotate(
                 percent(probability),

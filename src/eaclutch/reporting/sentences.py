@@ -7,7 +7,15 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from eaclutch.reporting.results import Results
-from eaclutch.reporting.words import FACTORS, effect_words, number, observable_words, percent, scale_for
+from eaclutch.reporting.words import (
+    FACTORS,
+    effect_words,
+    holds_the_pair,
+    number,
+    observable_words,
+    percent,
+    scale_for,
+)
 
 MOST_OF_IT = 0.8  # of the closable gap; what closes less explains a part
 PROBABLE = 0.8  # from which on a rival is one that cannot be ruled out, and below it one that does as well
@@ -23,7 +31,8 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
     """One sentence: what is missing from the model, how probable that is, how much of the gap it closes."""
     verdict = diagnosis["verdict"]
     effects, probability = verdict["effects"], percent(verdict.get("probability"))
-    others = verdict.get("alternatives") or []
+    others = [names for names in verdict.get("alternatives") or [] if not holds_the_pair(names, effects)]
+    probability += _with_a_third(diagnosis)
     if not effects and others:
         listed = " or ".join(effect_words(names) for names in others)
         return (
@@ -63,6 +72,18 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
         closed += f"; whether {listed} is needed for that, these data cannot tell"
     partly = "partly " if _left(diagnosis) else ""
     return f"The gap is {partly}explained by {named} (probability {probability}){closed}."
+
+
+def _with_a_third(diagnosis: Mapping[str, Any]) -> str:
+    """``; 70 % with air gap besides`` for each alternative of three that holds the pair named; else empty."""
+    verdict = diagnosis["verdict"]
+    weights = {tuple(e["effects"]): e["probability"] for e in diagnosis.get("hypotheses", [])}
+    return "".join(
+        f"; {percent(weights.get(tuple(names)))} with "
+        f"{effect_words(name for name in names if name not in verdict['effects'])} besides"
+        for names in verdict.get("alternatives") or []
+        if holds_the_pair(names, verdict["effects"])
+    )
 
 
 def _tolerated(diagnosis: Mapping[str, Any]) -> str:

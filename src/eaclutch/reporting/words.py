@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -72,6 +72,11 @@ def effect_words(names: Iterable[str]) -> str:
     if names == ["unknown"]:
         return "an effect outside the library"
     return " and ".join(name.replace("_", " ") for name in names)
+
+
+def holds_the_pair(names: Sequence[str], pair: Sequence[str]) -> bool:
+    """Whether a set of three holds the pair that a verdict names."""
+    return len(names) > 2 and len(pair) == 2 and set(names) > set(pair)
 
 
 def superscript(power: float) -> str:
