@@ -154,13 +154,13 @@ def hypotheses_figure(diagnosis: Mapping[str, Any]) -> Picture | None:
         rest = max(1.0 - sum(probability for _, probability, _ in bars), 0.0)
         bars.append((f"{len(entries) - len(bars)} others together", rest, None))
     bars.reverse()
+    said = diagnosis["verdict"]["effects"]
     labels = [_wrapped(label) for label, *_ in bars]
     with canvas(0.9 + 0.17 * sum(1 + label.count("\n") for label in labels) + 0.17 * len(bars)) as (
         figure,
         axes,
     ):
         for y, (_, probability, effects) in enumerate(bars):
-            said = diagnosis["verdict"]["effects"]
             colour = BLUE if effects == said or (effects and holds_the_pair(effects, said)) else GREY
             axes.barh(y, probability, color=colour, height=0.62)
             axes.annotate(
