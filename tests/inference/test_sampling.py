@@ -49,6 +49,29 @@ def test_moments_of_a_known_posterior():
     np.testing.assert_allclose(np.corrcoef(found.flat.T), covariance / np.outer(sd, sd), atol=0.03)
 
 
+def test_a_parameter_of_several_modes_is_redrawn_from_mode_to_mode():
+    problem, *_ = gaussian(size=6)
+    gaussian_part, sd, modes, share = (
+        problem.log_likelihood,
+        0.03,
+        np.array([-0.5, 1.0]),
+        np.array([0.7, 0.3]),
+    )
+
+    def log_likelihood(theta):  # the first parameter's posterior: two narrow modes, of the given shares
+        white = (theta[:, :1] - modes) / sd
+        weight = np.log(share) + 0.5 * modes**2  # the prior taken off
+        return gaussian_part(theta * (np.arange(6) > 0)) + np.logaddexp(*(weight - 0.5 * white**2).T)
+
+    several = replace(problem, log_likelihood=log_likelihood, redrawn=("p0",))
+    brief = replace(QUICK, max_steps=600)
+    stuck, found = (sample(p, brief, 1) for p in (replace(several, redrawn=()), several))
+    low = [np.mean(run.chain[..., 0] < 0.25, axis=(1, 2)) for run in (stuck, found)]  # (ensembles,)
+    assert np.max(np.abs(low[0] - 0.7)) > 0.2, "else this test tests nothing"
+    np.testing.assert_allclose(low[1], 0.7, atol=0.05)
+    np.testing.assert_allclose(found.flat[:, 1:].std(axis=0), stuck.flat[:, 1:].std(axis=0), rtol=0.1)
+
+
 def test_goes_on_until_converged_or_says_so():
     problem, *_ = gaussian()
     long = sample(problem, QUICK, 1)

@@ -17,6 +17,7 @@ from eaclutch.diagnosis.evidence import unrealised
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import log_normal, posterior_sd
 from eaclutch.diagnosis.hypothesis import HypothesisFit
+from eaclutch.diagnosis.readings import PREFIX
 from eaclutch.diagnosis.study import Study
 from eaclutch.inference.moves import DEGREES_OF_FREEDOM, Target
 from eaclutch.inference.problem import Problem, digest
@@ -76,6 +77,7 @@ def problem_of(study: Study, fitted: HypothesisFit) -> Problem:
         data_name="entries", data_unit="comparison scale",
         coords={"channel": study.data.channel.astype(str), "condition": study.data.condition.astype(str),
                 "session": study.data.session.astype(str)},
+        redrawn=tuple(name for name in forward.priors.names if name.startswith(PREFIX)),
         fingerprint={"data": digest([values, covariance]), "model": digest(list(fitted.effects))},
     )  # fmt: skip
 

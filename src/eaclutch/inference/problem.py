@@ -29,6 +29,7 @@ class Problem:
     of the posterior (marginalised levels drawn again, constants). ``notes``: what a reader must know.
     ``wider``: the same data under a law with one parameter more, the last one, at whose neutral value both laws are
     the same: a check of this one.
+    ``redrawn``: parameters of several modes that leave the others where they are (moves.Redraw).
     ``fingerprint``: hashes of data, model and settings by name; ``sampled`` hyperparameters are part of priors.
     """
 
@@ -45,6 +46,7 @@ class Problem:
     derived_units: Mapping[str, str] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     wider: Problem | None = None
+    redrawn: tuple[str, ...] = ()
     fingerprint: Mapping[str, str] = field(default_factory=dict)
 
     @property

@@ -165,7 +165,8 @@ def _run(
     problem: Problem, position: FloatArray, density: FloatArray, random: Any, target: Target, steps: int
 ) -> tuple[FloatArray, FloatArray, tuple]:
     """One ensemble: chain (steps, walkers, params), log density (steps, walkers), the generator's state after it."""
-    sampler = emcee.EnsembleSampler(*position.shape, problem.log_density, moves=moves(target), vectorize=True)
+    mixture = moves(target, [problem.priors.names.index(name) for name in problem.redrawn])
+    sampler = emcee.EnsembleSampler(*position.shape, problem.log_density, moves=mixture, vectorize=True)
     begin = emcee.State(position, log_prob=density, random_state=random)
     end = sampler.run_mcmc(begin, steps, skip_initial_state_check=True)
     return sampler.get_chain(), sampler.get_log_prob(), end.random_state
