@@ -51,17 +51,13 @@ def test_moments_of_a_known_posterior():
 
 def test_a_parameter_of_several_modes_is_redrawn_from_mode_to_mode():
     problem, *_ = gaussian(size=6)
-    gaussian_part, sd, modes, share = (
-        problem.log_likelihood,
-        0.03,
-        np.array([-0.5, 1.0]),
-        np.array([0.7, 0.3]),
-    )
+    others, sd = problem.log_likelihood, 0.03
+    modes, share = np.array([-0.5, 1.0]), np.array([0.7, 0.3])
 
     def log_likelihood(theta):  # the first parameter's posterior: two narrow modes, of the given shares
         white = (theta[:, :1] - modes) / sd
         weight = np.log(share) + 0.5 * modes**2  # the prior taken off
-        return gaussian_part(theta * (np.arange(6) > 0)) + np.logaddexp(*(weight - 0.5 * white**2).T)
+        return others(theta * (np.arange(6) > 0)) + np.logaddexp(*(weight - 0.5 * white**2).T)
 
     several = replace(problem, log_likelihood=log_likelihood, redrawn=("p0",))
     brief = replace(QUICK, max_steps=600)
