@@ -66,6 +66,8 @@ def test_a_parameter_of_several_modes_is_redrawn_from_mode_to_mode():
     assert np.max(np.abs(low[0] - 0.7)) > 0.2, "else this test tests nothing"
     np.testing.assert_allclose(low[1], 0.7, atol=0.05)
     np.testing.assert_allclose(found.flat[:, 1:].std(axis=0), stuck.flat[:, 1:].std(axis=0), rtol=0.1)
+    assert np.max(found.diagnostics.tau[1:]) < 8, "the others jump with that one held: 33 steps without"
+    assert np.max(found.diagnostics.r_hat) < 1.05
 
 
 def test_goes_on_until_converged_or_says_so():
