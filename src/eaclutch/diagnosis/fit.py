@@ -70,14 +70,18 @@ def fit_hypothesis(
             mode = find_mode(forward, data.values, covariance_at, start)
             return _finish(forward, data, kernels, thresholds, mode, size)
 
-        found = [fit_from(start) for start in starts(forward, data, kernels, size, base, beyond, seeds)]
+        if best is not None and size[0] < best.size[0]:
+            begin = [best.mode.u]  # laws hold better than was thought, and the place is known
+        else:
+            begin = starts(forward, data, kernels, size, base, beyond, seeds)
+        found = [fit_from(start) for start in begin]
         best = _highest([*found, *([best] if best else [])])
         for _ in range(0 if base or forward.candidates else HOPS):
             tried = _highest([fit_from(start) for start in other_zeros(forward, best.mode.u)] + [best])
             gained, best = tried.peak - best.peak, tried
             if gained < WORTH_A_HOP:
                 break
-        # around a gap of some size the base laws hold no better than that
+        # around a gap of some size the base laws hold no better than that, without one better than was thought
         if abs(np.log(best.multipliers[0] / size[0])) < LARGEST_CHANGE:
             break
         size = best.multipliers
