@@ -21,7 +21,7 @@ from eaclutch.records import FloatArray
 ON_THE_WAY = np.array([0.0, 0.25, 0.5, 1.0])  # from a fit's mode to where its linearisation would move
 # Tolerances beyond those that an evidence may take: around a large gap a fit must not bend the calibrated parameters.
 WIDER = (4.0, 8.0, 16.0)
-NEGLIGIBLE = 6.0  # nats below the best, from which multipliers add nothing
+NEGLIGIBLE = 6.0  # nats below the best, from which multipliers add next to nothing (a four-hundredth)
 
 
 @dataclass(frozen=True)

@@ -81,7 +81,7 @@ def fit_hypothesis(
             gained, best = tried.peak - best.peak, tried
             if gained < WORTH_A_HOP:
                 break
-        # around a gap of some size the base laws hold no better than that, without one better than was thought
+        # around a gap of some size the base laws hold no better than that; without one, maybe better than was thought
         if abs(np.log(best.multipliers[0] / size[0])) < LARGEST_CHANGE:
             break
         size = best.multipliers
