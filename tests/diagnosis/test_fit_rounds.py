@@ -1,0 +1,49 @@
+"""A fit is made around a gap of some size, and once more where the gap turns out to be of another."""
+
+from __future__ import annotations
+
+import pytest
+
+from diagnosis.simulated import inputs
+from eaclutch.diagnosis import fit
+from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
+
+EFFECT = ("series_compliance",)
+
+
+@pytest.fixture(scope="module")
+def study() -> Study:
+    """The library's own laws: they hold far better than the usual tolerance."""
+    return Study(inputs(EFFECT, {"series_compliance.compliance": 2e-5}), load_thresholds())
+
+
+def test_where_laws_hold_better_it_goes_on_from_where_it_stands(study, monkeypatch):
+    """The second round neither scouts again nor ends in a worse place than one that does."""
+    sought: list[tuple[float, float]] = []
+    fitted: list[tuple[float, float]] = []
+    starts, finish = fit.starts, fit._finish
+
+    def counted_starts(*given):
+        sought.append(given[3])
+        return starts(*given)
+
+    def counted_fits(*given):
+        fitted.append(given[-1])
+        return finish(*given)
+
+    monkeypatch.setattr(fit, "starts", counted_starts)
+    monkeypatch.setattr(fit, "_finish", counted_fits)
+    assert study.base.mode.converged  # fitted from other starts
+    sought.clear()
+    fitted.clear()
+    found = study.fit(EFFECT)
+    smaller = found.multipliers
+    assert smaller[0] < 1.0
+    assert sought == [(1.0, 1.0)]
+    assert fitted[-1] == smaller and fitted.count(smaller) == 1
+    everywhere = fit.fit_hypothesis(
+        study.forward(EFFECT), study.data, study.kernels, study.thresholds, base=study.base, size=smaller
+    )
+    assert sought[1:] == [smaller]
+    assert found.log_evidence == pytest.approx(everywhere.log_evidence, abs=0.2)
