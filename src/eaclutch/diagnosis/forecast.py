@@ -26,7 +26,6 @@ from eaclutch.records import FloatArray
 DRAWS = 12  # parameter sets of each effect
 REPLICAS = 10  # data sets simulated from each
 NONE_REPLICAS = 200
-SCOUTS_APART = 2  # every other one will do where each stands for three amplitudes
 SIZES = np.geomspace(0.05, 4.0, 10)  # of a typical draw
 SURE = 0.8  # probability of the right verdict that makes an effect identifiable
 
@@ -44,7 +43,7 @@ class Forecast:
         self.clouds, lookalikes = (
             [
                 cloud_of(
-                    scout_shifts(study.forward((name,)), base)[0][::SCOUTS_APART],
+                    scout_shifts(study.forward((name,)), base)[0],
                     self._law_share(name),
                     self._whiten,
                     self.kernels.smooth,
