@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.linalg import solve_triangular
 
 from eaclutch.diagnosis import clouds
 from eaclutch.diagnosis.clouds import Cloud, cloud_of
@@ -39,6 +40,19 @@ def test_what_lies_between_two_scouted_signatures_belongs_to_the_law(monkeypatch
 def test_a_law_without_parameters_has_no_neighbours():
     alone = cloud_of(arc(np.zeros(1), 5.0), 0.0, lambda rows: rows, np.eye(ENTRIES))
     assert np.all(np.isfinite(alone.evidence(np.zeros((1, ENTRIES)))))
+
+
+def test_a_law_is_off_by_its_share_of_what_it_does():
+    """Whitened as the data are: by the root of a covariance, from both sides."""
+    rng = np.random.default_rng(5)
+    root = np.linalg.cholesky(np.cov(rng.standard_normal((ENTRIES, 60))))
+    smooth = 0.7 + 0.3 * np.eye(ENTRIES)
+    shift = rng.standard_normal((1, ENTRIES))
+    made = cloud_of(shift, 0.2, lambda rows: solve_triangular(root, rows.T, lower=True).T, smooth)
+    found = made.spread[1][:, 1 : clouds.LAW_DIRECTIONS + 1]  # of amplitude 1
+    true = solve_triangular(root, 0.2 * np.diag(shift[0]) @ np.linalg.cholesky(smooth), lower=True)
+    widest = np.linalg.svd(true)[1][: clouds.LAW_DIRECTIONS]
+    np.testing.assert_allclose(np.sort(np.linalg.norm(found, axis=0))[::-1], widest, rtol=1e-6)
 
 
 def test_its_evidence_is_a_density():

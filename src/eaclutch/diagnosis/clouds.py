@@ -52,8 +52,8 @@ def cloud_of(
     spread = np.zeros((*white.shape, LAW_DIRECTIONS + 1 + NEIGHBOURS))
     apart = cdist(white, white)
     for i, shift in enumerate(law_share * shifts):
-        half = whiten((smooth * np.outer(shift, shift)).T)
-        values, vectors = eigh(whiten(half), subset_by_index=[len(shift) - LAW_DIRECTIONS, len(shift) - 1])
+        half = whiten(smooth * np.outer(shift, shift))
+        values, vectors = eigh(whiten(half.T), subset_by_index=[len(shift) - LAW_DIRECTIONS, len(shift) - 1])
         spread[i, :, 1 : LAW_DIRECTIONS + 1] = vectors * np.sqrt(np.maximum(values, 0.0))
         nearest = np.argsort(apart[i])[1 : NEIGHBOURS + 1]
         spread[i, :, LAW_DIRECTIONS + 1 :][:, : len(nearest)] = BETWEEN * (white[nearest] - white[i]).T
