@@ -5,9 +5,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, eigh
+from scipy.linalg import eigh
 from scipy.spatial.distance import cdist
 from scipy.special import logsumexp
 
@@ -32,15 +33,24 @@ class Cloud:
     def evidence(self, a: FloatArray) -> FloatArray:
         """Log mean over scouts b of N(a; b, 1 + D D'), D its spread, of whitened data ``a`` (sets, entries), up to the
         constant that all clouds share."""
-        scores = np.empty((len(self.white), len(a)))
-        for i, (b, spread) in enumerate(zip(self.white, self.spread, strict=True)):
-            difference = a - b
-            inner = cho_factor(np.eye(spread.shape[1]) + spread.T @ spread, lower=True)
-            along = difference @ spread
-            explained = np.sum(along.T * cho_solve(inner, along.T), axis=0)
-            log_det = np.sum(np.log(np.diag(inner[0])))
-            scores[i] = -0.5 * (np.sum(difference**2, axis=1) - explained) - log_det
-        return logsumexp(scores, axis=0) - np.log(len(scores))
+        projection, offset, log_det = self._projected
+        scouts, _, directions = self.spread.shape
+        along = (a @ projection).reshape(len(a), scouts, directions) - offset
+        apart = np.sum(a**2, axis=1)[:, None] + np.sum(self.white**2, axis=1) - 2.0 * a @ self.white.T
+        scores = -0.5 * (apart - np.sum(along**2, axis=2)) - log_det
+        return logsumexp(scores, axis=1) - np.log(scouts)
+
+    @cached_property
+    def _projected(self) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """What a difference from each scout is explained by: the square of its product with ``projection`` (entries,
+        scouts x directions), less the scouts' own ``offset`` (scouts, directions); and half log det (scouts,)."""
+        inner = np.linalg.cholesky(
+            np.eye(self.spread.shape[2]) + self.spread.transpose(0, 2, 1) @ self.spread
+        )
+        projection = np.linalg.solve(inner, self.spread.transpose(0, 2, 1))
+        offset = np.einsum("sde,se->sd", projection, self.white)
+        log_det = np.sum(np.log(np.diagonal(inner, axis1=1, axis2=2)), axis=1)
+        return projection.reshape(-1, self.spread.shape[1]).T, offset, log_det
 
 
 def cloud_of(
