@@ -11,8 +11,8 @@ from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.repeatability import pooled_variance, session_share
 from eaclutch.diagnosis.screening import (
     misplaced,
-    moved_into_step,
     reaches,
+    reckoned,
     scaled_column,
     slips_at_switch_off,
 )
@@ -41,14 +41,14 @@ def test_a_zero_that_the_fit_knows_is_no_uncertainty_of_a_run():
     np.testing.assert_allclose(scaled_column(table, channel)[1], [0.02, 0.01])
 
 
-def test_a_force_that_was_moved_back_by_too_much_stands_apart_from_its_condition():
+def test_a_run_whose_times_were_reckoned_wrong_stands_apart_from_its_condition():
     """Lines lost in small pieces: a release 1.6 ms late in a session that has no repeat of it; an effect that delays
-    one session's runs, and a moved run among its like, stay."""
+    one session's runs, and a reckoned run among its like, stay."""
     rng = np.random.default_rng(5)
     conditions, residual = np.repeat(np.arange(8), 3), rng.normal(0.0, 0.05, 24)
     flags = np.full(24, "", dtype=object)
-    flags[[4, 7, 10]] = "force_lines_lost;force_realigned_from_release", "force_realigned;no_zero", np.nan
-    moved = moved_into_step(pd.DataFrame({"flags": flags}))
+    flags[[4, 7, 10]] = "force_lines_lost;force_realigned_from_release", "no_zero;voltage_lines_lost", np.nan
+    moved = reckoned(pd.DataFrame({"flags": flags}))
     assert np.flatnonzero(moved).tolist() == [4, 7]
     residual[4] += 3.2
     residual[20] += 3.2
@@ -56,7 +56,7 @@ def test_a_force_that_was_moved_back_by_too_much_stands_apart_from_its_condition
     alone = conditions.copy()
     alone[7] = 99  # no other run of its condition confirms it
     assert np.flatnonzero(misplaced(residual, np.full(24, 0.05), alone, moved)).tolist() == [4, 7]
-    assert not moved_into_step(pd.DataFrame({"run": ["a"]})).any()
+    assert not reckoned(pd.DataFrame({"run": ["a"]})).any()
 
 
 @dataclass(frozen=True)

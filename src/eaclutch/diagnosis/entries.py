@@ -27,7 +27,7 @@ from eaclutch.diagnosis.screening import (
     slips_at_switch_off,
     stray,
     voltage_off_doubt,
-    wrongly_moved,
+    wrongly_reckoned,
     zero_unknown,
 )
 from eaclutch.diagnosis.switch_timing import FALL_SD, shared_edge_sd
@@ -61,7 +61,7 @@ def build(
     """
     groups = _labels([f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)])
     bins = preload_bins(conditions.condition, preload)
-    contradicted = wrongly_moved(table, conditions.condition, channels, explained)
+    contradicted = wrongly_reckoned(table, conditions.condition, channels, explained)
     slipping = slips_at_switch_off(table, quarter_swing)
     entries, values, repeats = [], [], {}
     kept: list[Any] = []

@@ -49,10 +49,11 @@ def zero_unknown(table: pd.DataFrame) -> np.ndarray:
     return _flagged(table, lambda flag: flag == "no_zero")
 
 
-def moved_into_step(table: pd.DataFrame) -> np.ndarray:
-    """Runs (runs,) whose force lost lines and was moved back by what its events tell: by some lines too many or too few
-    where those were lost in several small pieces, so their times may be wrong by milliseconds."""
-    return _flagged(table, lambda flag: flag.startswith("force_realigned"))
+def reckoned(table: pd.DataFrame) -> np.ndarray:
+    """Runs (runs,) whose times may be wrong by milliseconds: their force lost lines and was moved back by what its
+    events tell, by some lines too many or too few where those were lost in several small pieces; or their voltage did,
+    and its end was not seen."""
+    return _flagged(table, lambda flag: flag.startswith("force_realigned") or flag == "voltage_lines_lost")
 
 
 def _flagged(table: pd.DataFrame, which: Callable[[str], bool]) -> np.ndarray:
@@ -90,11 +91,12 @@ def _spread(away: FloatArray) -> float:
     return 1.4826 * float(np.median(away[away > 0])) if np.any(away > 0) else 0.0
 
 
-def misplaced(residual: FloatArray, sd: FloatArray, conditions: np.ndarray, moved: np.ndarray) -> np.ndarray:
-    """Runs whose force was ``moved`` (runs,) back into step and that no other run of their condition, of whatever
-    session, confirms: they stand far from those (which scatter between sessions as well, so their own spread is the
-    measure), or there are none."""
-    whole = np.isfinite(residual) & ~moved
+def misplaced(
+    residual: FloatArray, sd: FloatArray, conditions: np.ndarray, doubtful: np.ndarray
+) -> np.ndarray:
+    """The ``doubtful`` runs (runs,) that no other run of their condition, of whatever session, confirms: they stand far
+    from those (which scatter between sessions as well, so their own spread is the measure), or there are none."""
+    whole = np.isfinite(residual) & ~doubtful
     away = np.full(len(residual), np.inf)
     apart = []
     for label in np.unique(conditions):
@@ -105,20 +107,20 @@ def misplaced(residual: FloatArray, sd: FloatArray, conditions: np.ndarray, move
         if len(others) > 1:
             apart.append(away[others])
     spread = _spread(np.concatenate(apart)) if apart else 0.0
-    return moved & np.isfinite(residual) & (away > STRAY_SDS * np.hypot(spread, sd))
+    return doubtful & np.isfinite(residual) & (away > STRAY_SDS * np.hypot(spread, sd))
 
 
-def wrongly_moved(
+def wrongly_reckoned(
     table: pd.DataFrame, conditions: Sequence[str], channels: Sequence[Channel], explained: FloatArray | None
 ) -> np.ndarray:
-    """Runs (runs,) that were moved back into step to a place that some of what they show contradicts; nothing is known
-    of that before a first fit has ``explained`` (channels, runs) what differs from run to run."""
-    moved, labels = moved_into_step(table), np.array(conditions, dtype=str)
+    """Runs (runs,) whose times were reckoned and that are contradicted by some of what they show; nothing is known of
+    that before a first fit has ``explained`` (channels, runs) what differs from run to run."""
+    doubtful, labels = reckoned(table), np.array(conditions, dtype=str)
     wrong = np.zeros(len(table), dtype=bool)
     for i, channel in enumerate(channels):
-        if explained is not None and moved.any() and channel.block in COUNTED_BLOCKS:
+        if explained is not None and doubtful.any() and channel.block in COUNTED_BLOCKS:
             scaled, sd = scaled_column(table, channel)
-            wrong |= misplaced(scaled - explained[i], sd, labels, moved)
+            wrong |= misplaced(scaled - explained[i], sd, labels, doubtful)
     return wrong
 
 
