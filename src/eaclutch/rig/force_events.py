@@ -17,6 +17,9 @@ HELD = 0.02  # s over which the level before the drop is taken
 RINGING = 0.008  # s of ring-down that is skipped
 TEAR = 0.4  # of the way between two samples; the load cell takes five samples at least
 FALL = 8  # samples, what release takes at most
+LEVEL = 20  # samples before a fall that give where it starts
+SOON = 13  # samples after it in which a release has come to the last level, or swung through it
+SLIP = 0.1  # of the way to the last level that a slip while driven leaves at least
 CLEAR = 6.0  # standard deviations
 
 
@@ -45,13 +48,24 @@ def find_drop(time: FloatArray, force: FloatArray, events: Events, early: float)
     best = int(np.argmax(height))
     if height[best] < CLEAR * noise / np.sqrt(5):
         return None
-    # the steepest fall around there, and back to where the force was last at its level
+    # the steepest fall around there that does not end above the last level, as a slip just before release does; and
+    # back to where the force was last at its level
     near = slice(int(at[best]) - gap, int(at[best]) + 2 * gap)
     smooth = uniform_filter1d(part, 5)[near]
     fall = smooth[FALL:] - smooth[:-FALL]
-    steepest = int(np.argmin(fall))
-    level = float(np.median(part[near][:steepest])) if steepest >= 20 else float(held[best])
-    back = np.flatnonzero(smooth[: steepest + FALL] > level - 0.15 * float(height[best]))
+    start = 0
+    while True:
+        steepest = start + int(np.argmin(fall[start:]))
+        ends = steepest + FALL
+        before_it = part[near][max(start, steepest - LEVEL) : steepest]
+        level = float(np.median(before_it)) if len(before_it) >= FALL else float(smooth[start])
+        lowest = np.min(smooth[ends : ends + SOON], initial=np.inf)
+        if lowest < final + max(SLIP * (level - final), CLEAR * noise / np.sqrt(5)):
+            break
+        if ends >= len(fall):
+            return None
+        start = ends
+    back = start + np.flatnonzero(smooth[start:ends] > level - 0.15 * (level - final))
     return float(time[first + near.start + back[-1]]) - 2 * step if len(back) else None
 
 
