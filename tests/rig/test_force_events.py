@@ -15,8 +15,8 @@ RELEASE = 0.6e-3  # s that a release takes here
 
 
 def stick_slip(slip: float, after: float) -> tuple[np.ndarray, np.ndarray]:
-    """Time (s) and force (N) of a run that climbs at 9 N/s and slips from 0.3 N to ``after`` every 20 ms, the last time
-    ``slip`` seconds before it is released to 0.03 N at ``OFF``."""
+    """Time (s) and force (N) of a run that climbs at 9 N/s and slips to ``after`` every 20 ms, the last time ``slip``
+    seconds before it is released to 0.03 N at ``OFF``."""
     time = np.arange(4.5, 5.5, STEP)
     since = np.mod(time - (OFF - slip), 0.02)
     top, fallen = after + 9.0 * 0.02, np.clip(since / RELEASE, 0.0, 1.0)

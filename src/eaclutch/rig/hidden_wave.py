@@ -77,11 +77,10 @@ def unseen_wave(
             return Unseen(end, None)  # let go long after the flag, and before the half wave's end
     if with_a_wave:
         # most drives end there, some have just begun another wave
-        begun = begins_another(time, force, fall, end) if in_step else False
-        if begun is False and in_step and not whole and finishes is not False:
+        if in_step and not whole and finishes is not False and end - fall < SHORT:
             # of either electrode, and nothing of it is seen: a force that holds until its end may have been driven
-            begun = None if outlives(time, force, fall, end) else False
-        return Unseen(end, begun)
+            return Unseen(end, None if outlives(time, force, fall, end) else False)
+        return Unseen(end, begins_another(time, force, fall, end) if in_step else False)
     return _by_the_force(time, force, fall, end, whole=whole, in_step=in_step, finishes=finishes)
 
 
