@@ -78,6 +78,11 @@ class Sockets:
         0.0  # 1/N; the driven friction F becomes F / (1 + (softening F)^n)^(1 / n), ..
     )
     softening_power: FloatArray | float = 1.0  # .. n
+    contact_lag: FloatArray | float = 0.0  # s; after switch-off a share of the film's friction follows ..
+    contact_lag_share: FloatArray | float = (
+        0.0  # .. its contact force F_k by L' = (F_k - L) / (contact_lag (F_k0 / 1 N)^power), ..
+    )
+    contact_lag_power: FloatArray | float = 0.0  # .. F_k0 the one that is released
     static_factor_release: FloatArray | float = (
         1.0  # multiplies the static coefficients at switch-off (rest = dwell)
     )

@@ -139,6 +139,10 @@ CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
         {"softening": 0.3, "power": 2.0, "width_exponent": 1.0},
         {"softening": [0.3, 0.3, 0.15, 0.3], "softening_power": 2.0},
     ),
+    "sluggish_contact": (
+        {"lag": 2e-4, "share": 0.6, "load_exponent": 0.3},
+        {"contact_lag": 2e-4, "contact_lag_share": 0.6, "contact_lag_power": 0.3},
+    ),
     # 4 mm: 5/8 of it beyond 1.5 mm, of which 0.4; 2 mm: 1/4
     "lost_area": ({"share": 0.4, "sound_width": 1.5e-3}, {"force_factor": [0.9, 0.9, 0.75, 0.9]}),
     # 0.2 N: 0.4 to the power 1/2; 0.5 N: 1

@@ -26,6 +26,7 @@ ROW = np.dtype(
             # friction
             "film_static", "film_kinetic", "base_static", "base_kinetic", "substrate_weight", "side_friction",
             "side_friction_static", "side_pull", "side_damping", "softening", "softening_power",
+            "contact_lag", "contact_lag_share", "contact_lag_power",
             "static_factor_release", "static_factor_ramp", "weakening_depth", "weakening_speed",
             # load train
             "stiffness", "mass", "load_cell_damping", "load_cell_dynamic", "added_mass", "series_compliance",
