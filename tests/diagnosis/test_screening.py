@@ -15,6 +15,7 @@ from eaclutch.diagnosis.screening import (
     reckoned,
     scaled_column,
     slips_at_switch_off,
+    wrongly_reckoned,
 )
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.weigh import NONE, probabilities
@@ -57,6 +58,20 @@ def test_a_run_whose_times_were_reckoned_wrong_stands_apart_from_its_condition()
     alone[7] = 99  # no other run of its condition confirms it
     assert np.flatnonzero(misplaced(residual, np.full(24, 0.05), alone, moved)).tolist() == [4, 7]
     assert not reckoned(pd.DataFrame({"run": ["a"]})).any()
+
+
+def test_a_first_fit_is_made_without_runs_whose_times_were_reckoned():
+    """It says what differs from run to run; after it those that another run confirms come back."""
+    channel = next(c for c in CHANNELS if c.name == "release_time_50_s")
+    times = 4e-4 + 1e-5 * np.random.default_rng(3).normal(size=12)
+    times[4] += 2e-3
+    flags = np.full(12, "", dtype=object)
+    flags[[4, 7]] = "force_realigned_from_release"
+    table = pd.DataFrame({channel.name: times, f"{channel.name}_sd": 1e-5, "flags": flags})
+    conditions = [f"c{i // 3}" for i in range(12)]
+    assert np.flatnonzero(wrongly_reckoned(table, conditions, (channel,), None)).tolist() == [4, 7]
+    explained = np.zeros((1, 12))
+    assert np.flatnonzero(wrongly_reckoned(table, conditions, (channel,), explained)).tolist() == [4]
 
 
 @dataclass(frozen=True)

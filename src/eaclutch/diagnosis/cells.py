@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy import sparse
 
 from eaclutch.diagnosis.data import DataVector
-from eaclutch.diagnosis.repeatability import pooled_variance, preload_bins
+from eaclutch.diagnosis.repeatability import pooled_variance, preload_bins, shrunk_variance
 from eaclutch.records import FloatArray
 
 FEW = 5  # degrees of freedom below which repeats may agree by chance
@@ -90,11 +92,14 @@ def repeat_variance(data: DataVector, native_variance: dict[str, float]) -> Floa
     return variance
 
 
-def native_variances(table: pd.DataFrame, data: DataVector) -> tuple[dict[str, float], dict[str, int]]:
+def native_variances(
+    table: pd.DataFrame, data: DataVector, thresholds: Mapping[str, Any]
+) -> tuple[dict[str, float], dict[str, int]]:
     """Repeat variance of a single run of each observable in its unit squared, and its degrees of freedom.
 
-    Without repeats the extractor's own variance stands in (degrees of freedom 0 say so), and it is the least there is
-    where they are few: two runs that happen to agree would make any gap a huge one.
+    Where repeats are few (degrees of freedom say so) it is drawn to the extractor's own variance and what runs usually
+    scatter by (``unrepeated_sd``): two runs that happen to agree, or a place of rest that is read to a permille and
+    reached by chance, would make any gap a huge one, and that observable all of it.
     """
     conditions = data.conditions
     keys = [f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)]
@@ -108,11 +113,11 @@ def native_variances(table: pd.DataFrame, data: DataVector) -> tuple[dict[str, f
         own = np.full(len(values), np.nan)
         if f"{channel.name}_sd" in table:
             own = pd.to_numeric(table[f"{channel.name}_sd"], errors="coerce").to_numpy(dtype=float) ** 2
-        typical = float(np.nanmedian(own)) if np.isfinite(own).any() else np.nan
-        variance = repeat.variance if repeat.dof > 0 and repeat.variance > 0 else typical
-        if repeat.dof < FEW:
-            variance = np.fmax(variance, typical)
-        if not np.isfinite(variance) or variance <= 0:
-            variance = (0.01 * float(np.nanmean(np.abs(values)))) ** 2 + 1e-30
+        variance = repeat.variance
+        if repeat.dof < FEW or not variance > 0:
+            unit = np.nanmean(values**2) if channel.scale == "log" else channel.unit_scale**2
+            typical = float(np.nanmedian(own)) if np.isfinite(own).any() else 0.0
+            usual = typical + float(thresholds["unrepeated_sd"][channel.block]) ** 2 * float(unit)
+            variance = shrunk_variance(repeat, usual, thresholds["repeat_prior_dof"])
         variances[channel.name], dofs[channel.name] = variance, repeat.dof
     return variances, dofs

@@ -167,7 +167,7 @@ def caveats(study: Study) -> list[str]:
     if len(sessions) < 2:
         notes.append("one session only: session drift cannot be told")
     if all(dof == 0 for dof in study.dof.values()):
-        notes.append("no repeats: no noise floor, the extractor's own uncertainty stands in")
+        notes.append("no repeats: no noise floor, what runs usually scatter by stands in")
     if study.drift is not None:
         drift = study.drift
         notes.append(

@@ -62,22 +62,25 @@ def fit_hypothesis(
                 tolerance=tolerance, session=session, signature=form, signature_tolerance=share
             )
 
-        def fit_from(
-            start: FloatArray,
+        def highest(
+            begin: Sequence[FloatArray],
+            best: HypothesisFit | None,
             size: tuple[float, float] = size,
             covariance_at: Callable[[FloatArray], FloatArray] = covariance_at,
         ) -> HypothesisFit:
-            mode = find_mode(forward, data.values, covariance_at, start)
-            return _finish(forward, data, kernels, thresholds, mode, size)
+            for start in begin:
+                mode = find_mode(forward, data.values, covariance_at, start)
+                best = _finish(forward, data, kernels, thresholds, mode, size, best) or best
+            assert best is not None
+            return best
 
         if best is not None and size[0] < best.size[0]:
             begin = [best.mode.u]  # laws hold better than was thought, and the place is known
         else:
             begin = starts(forward, data, kernels, size, base, beyond, seeds)
-        found = [fit_from(start) for start in begin]
-        best = _highest([*found, *([best] if best else [])])
+        best = highest(begin, best)
         for _ in range(0 if base or forward.candidates else HOPS):
-            tried = _highest([fit_from(start) for start in other_zeros(forward, best.mode.u)] + [best])
+            tried = highest(other_zeros(forward, best.mode.u), best)
             gained, best = tried.peak - best.peak, tried
             if gained < WORTH_A_HOP:
                 break
@@ -87,10 +90,6 @@ def fit_hypothesis(
         size = best.multipliers
     assert best is not None
     return best
-
-
-def _highest(fits: Sequence[HypothesisFit]) -> HypothesisFit:
-    return max(fits, key=lambda fitted: fitted.peak)
 
 
 def plain_fit_at(
@@ -105,7 +104,9 @@ def plain_fit_at(
     """The fit of a hypothesis without candidates whose mode ``u`` (params,) and ``size`` are known: as it was found."""
     predicted = forward.predict(forward.priors.from_normal(u))[0]
     mode = mode_at(forward, u, predicted, None, converged)
-    return _finish(forward, data, kernels, thresholds, mode, size)
+    fitted = _finish(forward, data, kernels, thresholds, mode, size)
+    assert fitted is not None
+    return fitted
 
 
 def _finish(
@@ -115,7 +116,9 @@ def _finish(
     thresholds: Mapping[str, Any],
     mode: Mode,
     size: tuple[float, float],
-) -> HypothesisFit:
+    best: HypothesisFit | None = None,
+) -> HypothesisFit | None:
+    """The fit that ended at ``mode``, None where it is no higher than the ``best`` so far."""
     signature = own_signature(forward, mode.theta)
     form = (
         form_signature(forward, mode.theta)
@@ -123,7 +126,9 @@ def _finish(
         else signature
     )
     residual = data.values - mode.predicted
-    found = marginal_evidence(forward, data, kernels, thresholds, mode, form)
+    found = marginal_evidence(forward, data, kernels, thresholds, mode, form, best.peak if best else -np.inf)
+    if found is None:
+        return None
     w = residual + mode.jacobian @ mode.u
 
     def linearised(tolerance: float) -> Linearised:

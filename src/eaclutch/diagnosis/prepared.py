@@ -92,7 +92,7 @@ class PreparedCampaign:
             raise InputError("runs.csv", "no observable can be compared", "look at its flags and reasons")
         moves = session_moves(self.forward(()), self.first_fit, thresholds["session_together"])
         self.kernels: Kernels = with_sessions(kernels(self.data, thresholds), self.data.session, moves)
-        variances, self.dof = native_variances(self.table, self.data)
+        variances, self.dof = native_variances(self.table, self.data, thresholds)
         self.cells: Cells = cells_of(self.data, variances)
         self.repeat_variance = repeat_variance(self.data, variances)
         self.swings = count_swings(self.table)

@@ -113,12 +113,15 @@ def misplaced(
 def wrongly_reckoned(
     table: pd.DataFrame, conditions: Sequence[str], channels: Sequence[Channel], explained: FloatArray | None
 ) -> np.ndarray:
-    """Runs (runs,) whose times were reckoned and that are contradicted by some of what they show; nothing is known of
-    that before a first fit has ``explained`` (channels, runs) what differs from run to run."""
+    """Runs (runs,) whose times were reckoned and that are contradicted by some of what they show, once a first fit has
+    ``explained`` (channels, runs) what differs from run to run. That fit is made without any of them, for one that is
+    milliseconds off would bend it."""
     doubtful, labels = reckoned(table), np.array(conditions, dtype=str)
+    if explained is None:
+        return doubtful
     wrong = np.zeros(len(table), dtype=bool)
     for i, channel in enumerate(channels):
-        if explained is not None and doubtful.any() and channel.block in COUNTED_BLOCKS:
+        if doubtful.any() and channel.block in COUNTED_BLOCKS:
             scaled, sd = scaled_column(table, channel)
             wrong |= misplaced(scaled - explained[i], sd, labels, doubtful)
     return wrong
