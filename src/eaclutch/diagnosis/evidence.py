@@ -41,7 +41,7 @@ def marginal_evidence(
     thresholds: Mapping[str, Any],
     mode: Mode,
     signature: FloatArray,
-    above: float = -np.inf,
+    above: float | None = None,
 ) -> Evidence | None:
     """Laplace's evidence at a mode over the grid of multipliers, each less what is ``unrealised`` there; None where its
     peak is not ``above`` that of another fit."""
@@ -62,7 +62,7 @@ def marginal_evidence(
         return Linearised(w, mode.jacobian, covariance)
 
     promised = np.array([log_normal(w, linearised(t, s).marginal()) for t, s, _ in sizes])
-    if not np.max(promised) > above:
+    if above is not None and np.max(promised) <= above:
         return None
     prior = np.array([log_prior for *_, log_prior in sizes])
     kept = np.full(len(sizes), -np.inf)
@@ -75,7 +75,7 @@ def marginal_evidence(
             continue
         kept[i] = promised[i] - unrealised(forward, data, mode, linearised(*sizes[i][:2]))
     best = int(np.argmax(kept))
-    if not kept[best] > above:
+    if above is not None and kept[best] <= above:
         return None
     return Evidence(float(logsumexp(kept + prior)), float(kept[best]), sizes[best][:2])
 

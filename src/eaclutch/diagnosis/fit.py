@@ -126,7 +126,7 @@ def _finish(
         else signature
     )
     residual = data.values - mode.predicted
-    found = marginal_evidence(forward, data, kernels, thresholds, mode, form, best.peak if best else -np.inf)
+    found = marginal_evidence(forward, data, kernels, thresholds, mode, form, best.peak if best else None)
     if found is None:
         return None
     w = residual + mode.jacobian @ mode.u
