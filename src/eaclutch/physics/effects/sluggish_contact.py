@@ -20,7 +20,7 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
     return sockets.with_(
         contact_lag=lag,
         contact_lag_share=np.where(lag > 0.0, values["share"], 0.0),
-        contact_lag_power=values["load_exponent"],
+        contact_lag_power=np.where(lag > 0.0, values["load_exponent"], 0.0),
     )
 
 
