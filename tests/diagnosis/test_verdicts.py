@@ -331,10 +331,10 @@ def test_unknown_for_repeats_that_drift_is_said_so_unless_a_smooth_term_says_mor
     assert verdict.effects == ("unknown",) and words in verdict.why
 
 
-def test_a_drift_of_repeats_is_a_caveat():
+def test_a_drift_of_repeats_is_a_caveat_and_so_are_few_of_them():
     drift = RepeatDrift("shear_capacity_n", 0.72, 5e-5, 6.6, 0.09)
     study = SimpleNamespace(
-        data=SimpleNamespace(bench=SimpleNamespace(notes=())), condensed=(), swings=0, drift=drift, dof={"x": 1},
+        data=SimpleNamespace(bench=SimpleNamespace(notes=())), condensed=(), swings=0, drift=drift, dof={"x": 5},
         conditions=SimpleNamespace(condition=("a", "b"), session=("1", "2")), inputs=SimpleNamespace(effects=()),
     )  # fmt: skip
     assert [
@@ -342,3 +342,7 @@ def test_a_drift_of_repeats_is_a_caveat():
     ]
     study.drift = None
     assert caveats(study) == []
+    study.dof = {"x": 2, "y": 0}
+    assert [note for note in caveats(study) if "hardly any repeats (2 degrees of freedom" in note]
+    study.dof = {"x": 0}
+    assert [note for note in caveats(study) if "no repeats" in note]

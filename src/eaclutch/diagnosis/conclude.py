@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from eaclutch.diagnosis.causes import causes
+from eaclutch.diagnosis.cells import FEW
 from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_left, total_gap, widened
 from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.gate import simulate_null
@@ -166,8 +167,14 @@ def caveats(study: Study) -> list[str]:
         notes.append("one condition only: no condition can be left out, and nothing is known of any setting")
     if len(sessions) < 2:
         notes.append("one session only: session drift cannot be told")
-    if all(dof == 0 for dof in study.dof.values()):
+    most = max(study.dof.values(), default=0)
+    if most == 0:
         notes.append("no repeats: no noise floor, what runs usually scatter by stands in")
+    elif most < FEW:
+        notes.append(
+            f"hardly any repeats ({most} degrees of freedom at most): the noise floor is drawn to what runs usually "
+            "scatter by"
+        )
     if study.drift is not None:
         drift = study.drift
         notes.append(

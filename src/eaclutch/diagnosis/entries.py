@@ -75,9 +75,7 @@ def build(
         if explained is not None:
             scaled = np.where(stray(scaled - explained[i], sd, groups), np.nan, scaled)
         if channel.block in COUNTED_BLOCKS:
-            counted = np.where(contradicted, np.nan, scaled)
-            # a first fit has nothing else to go by where all runs were reckoned
-            scaled = counted if explained is not None or np.isfinite(counted).any() else scaled
+            scaled = np.where(contradicted, np.nan, scaled)
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
         repeat, spread = pooled_variance(scaled, conditions.friction_before, groups, bins), scaled

@@ -6,6 +6,7 @@ import math
 
 from eaclutch.physics.kernels.compiled import compiled
 from eaclutch.physics.kernels.contact import contact
+from eaclutch.physics.kernels.contact_lag import CAUGHT_UP, late_ends, longest_step
 from eaclutch.physics.kernels.drive import RELEASING, electroadhesion, fields_at
 from eaclutch.physics.kernels.film import equilibrium, net_force_slopes, next_step, rodas_step
 from eaclutch.physics.kernels.forces import tension
@@ -16,9 +17,6 @@ from eaclutch.physics.kernels.tip import FREE, STUCK, oscillate, root_of_x
 
 END = 0.11  # s after switch-off: the end of the window that says where the force comes to rest
 WINDOW = 0.01  # s; its start
-# Of a step beside a contact that lags, so that a quintic follows it: so many lags, or such a share of the force gone.
-LAGS_A_STEP, LAG_A_STEP = 0.5, 0.02
-LAGGED = 1e-5  # of the friction at rest, from which it has caught up
 
 
 @compiled
@@ -63,19 +61,6 @@ def _quintic(f, ends, dt, scale, linear_a, linear_b, bulge):
 
 
 @compiled
-def _lagging(start, forces, dt, lag):
-    """L (middle, end) of a step of L' = (F - L) / ``lag`` from ``start``, F the parabola through ``forces`` at its
-    start, middle and end: the parabola that L runs after, and what is left of the distance to it."""
-    a, b, c = forces
-    bend = 2.0 * (a - 2.0 * b + c) / (dt * dt)
-    slope = (4.0 * b - 3.0 * a - c) / dt - 2.0 * lag * bend
-    level = a - lag * slope
-    half, apart = 0.5 * dt, start - level
-    middle = level + half * (slope + half * bend) + apart * math.exp(-half / lag)
-    return middle, level + dt * (slope + dt * bend) + apart * math.exp(-dt / lag)
-
-
-@compiled
 def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, segments, work):
     """(status, segments used, time of rest, force at rest [N]) from the force ``switch_off`` [N] at t = 0.
 
@@ -100,9 +85,8 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
     slopes = net_force_slopes(p, 1e-3 * dt, h, v, load, gap_before, RELEASING, tables)
     lift, slope = contact(p, h, tables)
     lift_rate = 0.0
-    share, lift_driven = p.contact_lag_share, max(lift, 1e-6)
-    lag = p.contact_lag * lift_driven**p.contact_lag_power if share > 0.0 else 0.0
-    late = lift
+    lift_driven, late = max(lift, 1e-6), lift  # of the film's friction, what lags
+    lag = p.contact_lag * lift_driven**p.contact_lag_power if p.contact_lag_share > 0.0 else 0.0
     inertia = 0.0
     settled = False
     for _ in range(4000):
@@ -114,7 +98,7 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
         else:
             dt = min(dt, END - t)
             if lag > 0.0:
-                dt = min(dt, lag * max(LAGS_A_STEP, LAG_A_STEP * lift_driven / (abs(late - lift) + 1e-300)))
+                dt = min(dt, longest_step(lag, late, lift, lift_driven))
             if damped:
                 new_h, new_v, error, error_v = rodas_step(
                     p, t, h, v, dt, slopes, load, gap_before, RELEASING, tables
@@ -140,13 +124,7 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
         ends = lift, lift_rate, mid, slope * mid_v, new_lift, new_rate
         new_late = new_lift
         if lag > 0.0:
-            mid_late, new_late = _lagging(late, (lift, mid, new_lift), dt, lag)
-            now = 1.0 - share
-            ends = (
-                now * lift + share * late, now * lift_rate + share * (lift - late) / lag,
-                now * mid + share * mid_late, now * slope * mid_v + share * (mid - mid_late) / lag,
-                now * new_lift + share * new_late, now * new_rate + share * (new_lift - new_late) / lag,
-            )  # fmt: skip
+            ends, new_late = late_ends(ends, late, dt, lag, p.contact_lag_share)
         # the film's momentum says exactly what its inertia adds to the base's friction over the step
         bulge = (
             p.film_mass * (new_v - v) / dt - 0.5 * (inertia + new_inertia) if damped and not settled else 0.0
@@ -164,8 +142,8 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
         )
         if not enough:
             return TIMED_OUT, int(state[COUNT]), t, stiffness * state[X]
-        t, h, v, lift, lift_rate, inertia = t + dt, new_h, new_v, new_lift, new_rate, new_inertia
-        late = new_late
+        t, h, v, inertia = t + dt, new_h, new_v, new_inertia
+        lift, lift_rate, late = new_lift, new_rate, new_late
         if t >= END * (1.0 - 1e-12):
             break
         if dynamic and int(state[MODE]) == STUCK and state[COUNT] > 0 and stiffness * state[X] <= static_end:
@@ -173,9 +151,8 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
         if settled and not dynamic:
             break
         if not settled:
-            if abs(lift - lift_end) < 1e-7 * lift_end and abs(late - lift_end) < LAGGED * lift_end:
-                late = lift
-                lag = 0.0
+            if abs(lift - lift_end) < 1e-7 * lift_end and abs(late - lift_end) < CAUGHT_UP * lift_end:
+                lag, late = 0.0, lift
                 force = electroadhesion(p, fields_at(p, t, RELEASING, tables), h, tables)
                 settled = force < 1e-8 * load
             dt = next_step(dt, ratio)
