@@ -7,7 +7,7 @@ import pytest
 from scipy import sparse
 
 from eaclutch.diagnosis.cells import Cells
-from eaclutch.diagnosis.closure import _share, gap_numbers, surely_left, widened
+from eaclutch.diagnosis.closure import _interval, _share, gap_numbers, surely_left, widened
 
 CONDITIONS, REPEATS = 20, 3
 N = CONDITIONS * REPEATS
@@ -76,6 +76,18 @@ def test_a_single_condition_says_nothing_of_others():
         SimpleNamespace(effects=e, errors_left_out=np.full(3, s)) for e, s in (((), 1.0), (("worse",), 9.0))
     ]
     assert surely_left(study, tried) == {(): 0.0, ("worse",): 0.0}
+    alone.observable = np.array(["release_time_50_s"] * 3, dtype=object)
+    before, after = (SimpleNamespace(errors_left_out=np.full(3, size)) for size in (9.0, 3.0))
+    found = gap_numbers(alone, before, after, FLOORS, np.random.default_rng(1))
+    assert found["interval"][0] <= 0.0 < found["shrinkage"] < 1.0 <= found["interval"][1]
+
+
+def test_the_size_of_a_gap_at_one_condition_is_known_as_well_as_noise_lets_it():
+    noise = np.random.default_rng(2).normal(4.0, 1.0, 400)
+    low, high = _interval(20.0, np.full(100, 20.0), noise)
+    assert 17.5 < low < 19.0 and 21.0 < high < 22.5
+    low, high = _interval(20.0, np.array([10.0, 30.0]), noise)  # of several: by how they differ
+    assert low < 12.0 and high > 28.0
 
 
 def test_a_gap_that_widened_has_not_closed():

@@ -42,6 +42,12 @@ def test_conditions_with_the_fewest_runs_are_left_out_and_counted():
     assert notes == ("the 250 of 400 conditions with the fewest runs are left out",)
 
 
+def test_sessions_stay_where_conditions_alone_would_fill_all():
+    found, notes = condense(campaign(200, 60), 10)
+    assert groups(found) * 10 <= MOST_ENTRIES and found["session"].nunique() == 3
+    assert len(notes) == 2
+
+
 def test_runs_of_sessions_taken_together_keep_their_order():
     table = campaign(20, 300).assign(run_order=lambda t: t.groupby("session").cumcount())
     found, _ = condense(table, 10)

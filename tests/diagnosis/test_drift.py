@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from eaclutch.diagnosis import drift
 from eaclutch.diagnosis.drift import repeat_drift
 
 THRESHOLDS = {"repeat_drift": 2.0, "session_sd": {"capacity": 0.03}}
@@ -34,6 +35,14 @@ def campaign(
 
 def found(**kwargs):
     return repeat_drift(campaign(**kwargs), THRESHOLDS, np.random.default_rng(1))
+
+
+def test_orders_drawn_at_a_time_fit_into_memory_however_many_runs_there_are(monkeypatch):
+    plain = found(drift=0.015)
+    monkeypatch.setattr(drift, "PLACES", 10 * RUNS)
+    few = found(drift=0.015)
+    assert few.channel == plain.channel and few.p_value > plain.p_value
+    assert few.p_value == pytest.approx(1.0 / (10 * drift.BATCHES + 1.0))
 
 
 def test_a_drift_between_repeats_is_found_and_told():

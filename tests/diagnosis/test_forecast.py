@@ -11,6 +11,7 @@ from eaclutch.diagnosis.modulated import changes
 from eaclutch.diagnosis.planned import plan_of, planned_study
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.starts import scout_shifts
+from eaclutch.physics.effects import BASE
 from eaclutch.records import Bench, Campaign, LogFile, RunSettings, Substrate
 
 BENCH = Bench("unit", substrates={"brass": Substrate(8338.5, 0.000726, 0.1, {2e-3: 2e-3})})
@@ -61,6 +62,35 @@ def test_limits_are_where_the_right_verdict_becomes_likely(document):
     reached = [float(size) for size, p in limit["probability_by_size"].items() if p >= SURE]
     assert limit["size"] == pytest.approx(min(reached), rel=1e-2)
     assert limit["parameters"]["compliance"] > 0
+
+
+def test_a_law_that_is_on_or_off_is_told_and_not_taken_for_nothing():
+    """A load cell that swings, in a model that lacks it: all releases move, by no parameter that has a slope."""
+    effects = [name for name in BASE if name != "load_cell_dynamics"]
+    chosen = {"model": {"effects": effects}, "diagnosis": {"candidates": ["load_cell_dynamics"]}}
+    found = Forecast(planned_study(campaign(), chosen, load_thresholds(), seed=5))
+    _, shifts = found.true_shifts("load_cell_dynamics", np.random.default_rng(1))
+    assert np.ptp(shifts, axis=0).max() == 0.0 and np.abs(shifts).max() > 0.1
+    assert (
+        found.document(np.random.default_rng(6))["matrix"]["load_cell_dynamics"]["load_cell_dynamics"] > SURE
+    )
+
+
+def test_a_size_from_which_an_effect_is_told_is_not_one_beyond_which_it_is_confused(forecast, monkeypatch):
+    index = forecast.names.index("trigger_latency")
+
+    def told_in_the_middle(data):
+        told = 5.0 < np.linalg.norm(data[0]) < 20.0
+        return np.full(len(data), index if told else 0)
+
+    monkeypatch.setattr(forecast, "verdicts", told_in_the_middle)
+    monkeypatch.setattr(
+        forecast, "simulate", lambda shift, replicas, rng, share: np.tile(shift, (replicas, 1))
+    )
+    shifts = np.zeros((1, len(forecast.study.data)))
+    shifts[0, 0] = 20.0
+    told = forecast._limit("trigger_latency", [{"delay": 1e-5}], shifts, np.random.default_rng(1))
+    assert 1.0 in told["probability_by_size"].values() and told["size"] is None
 
 
 def test_what_changes_with_frequency_is_unknown_to_the_forecast_too(forecast, monkeypatch):

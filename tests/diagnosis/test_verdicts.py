@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import BENCH, CANDIDATES, CONDITIONS, inputs
-from eaclutch.cli.diagnosis import refuse_others
+from eaclutch.cli.diagnosis import read_weighed, refuse_others
 from eaclutch.diagnosis.causes import own_parameters
 from eaclutch.diagnosis.conclude import caveats, conclude, session_spread, stopped
 from eaclutch.diagnosis.drift import RepeatDrift
 from eaclutch.diagnosis.forward import UNPREDICTED
 from eaclutch.diagnosis.inputs import DiagnosisInputs
-from eaclutch.diagnosis.next_experiment import _grid, _separated, _variance
+from eaclutch.diagnosis.next_experiment import _contenders, _grid, _separated, _variance
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.readings import Readings
 from eaclutch.diagnosis.result import CandidateResult
@@ -24,9 +24,9 @@ from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import decide
 from eaclutch.diagnosis.weigh import probabilities
-from eaclutch.files import Document
+from eaclutch.files import Document, write_json
 from eaclutch.physics.effects import BASE
-from eaclutch.records import InputError
+from eaclutch.records import CapacitanceReadings, InputError
 from eaclutch.simulation.noise import BenchNoise
 from eaclutch.simulation.observables import simulate_table
 from eaclutch.simulation.plan import Plan, sweep
@@ -259,6 +259,48 @@ def test_hypotheses_that_predict_the_same_are_still_two():
     assert _separated(distance, np.full(3, 1 / 3)) == (0, 2)
 
 
+def test_a_pair_whose_second_effect_does_nothing_is_no_rival_of_the_first():
+    study = Study(
+        inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}), load_thresholds(), seed=3
+    )
+    plain, single = study.weigh(()), study.weigh(("series_compliance",))
+    own = {f"series_compliance.{name}": entry for name, entry in single.parameters.items()}
+    idle = {"trigger_latency.delay": {"mean": 0.0, "sd": 1e-6, "unit": "s"}}
+    pair = replace(single, effects=("series_compliance", "trigger_latency"), parameters=own | idle)
+    weights = {single.effects: 0.95, pair.effects: 0.04, plain.effects: 0.01}
+    kept, said = _contenders(study, [plain, single, pair], weights, _grid(study), _variance(study))
+    assert kept == [("series_compliance",), ()] and len(said) == 2
+
+
+def test_a_new_experiment_takes_strips_of_one_substrate():
+    given = inputs()
+    wide = given.table["width_mm"] == 5
+    table = given.table.assign(
+        substrate=np.where(wide, "steel", "brass"), width_mm=np.where(wide, 6, given.table["width_mm"])
+    )
+    grid = _grid(Study(replace(given, table=table), load_thresholds(), seed=3))
+    assert set(grid.substrate) == {"brass"} and set(np.round(grid.width * 1e3, 6)) == {2.0, 5.0}
+
+
+def test_capacitance_that_is_off_has_a_place_with_its_own_sign_and_chance():
+    """Readings that lack 8 pF; and those of a strip 2.5 times as wide that lack a third of theirs: the other's tell."""
+    given = inputs()
+    near = given.readings
+    lacking = replace(near, capacitance=near.capacitance - 8e-12)
+    wide = CapacitanceReadings(
+        np.tile(near.force, 2), np.concatenate([near.capacitance, 2.5 / 1.5 * near.capacitance]),
+        np.concatenate([near.width, 2.5 * near.width]), near.trial * 2, near.source * 2,
+    )  # fmt: skip
+    found = []
+    for readings in (lacking, wide):
+        study = Study(replace(given, readings=readings), load_thresholds(), seed=3)
+        results = [study.weigh(effects) for effects in ((), ("stray_capacitance",))]
+        rows = conclude(study, results, 99)["where"]
+        found.append(next(row for row in rows if row["observable"] == "capacitance_pf"))
+    assert found[0]["direction"] == "-"
+    assert found[1]["p_value"] < 0.05
+
+
 def test_a_new_experiment_is_of_one_session():
     study = Study(inputs(days=3), load_thresholds(), seed=3)
     grid = _grid(study)
@@ -296,6 +338,18 @@ def test_what_cannot_be_weighed_is_refused_by_name(names):
     refuse_others(study, ("gas_slip", "wet_film"))
     with pytest.raises(InputError, match=names[0]):
         refuse_others(study, names)
+
+
+def test_the_same_effects_in_two_files_and_lookalikes_are_refused(tmp_path):
+    study = Study(inputs(), load_thresholds(), seed=3)
+    base = study.weigh(("trigger_latency",))
+    for name, effects in (("a", base.effects), ("b", base.effects), ("c", ("wet_film",))):
+        write_json(tmp_path / name, replace(base, effects=effects).document())
+    assert [r.effects for r in read_weighed([tmp_path / "a"], study)] == [("trigger_latency",)]
+    with pytest.raises(InputError, match=r"b: weighs what another file does"):
+        read_weighed([tmp_path / "a", tmp_path / "b"], study)
+    with pytest.raises(InputError, match=r"c: weighs a lookalike"):
+        read_weighed([tmp_path / "c"], study)
 
 
 def test_a_fit_that_stopped_short_is_said():

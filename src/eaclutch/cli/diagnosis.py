@@ -87,7 +87,7 @@ def diagnosis_candidate(effects: tuple[str, ...], output: Path, **options: Any) 
     """Weigh one candidate (or two together) jointly with the calibrated parameters."""
     study = study_of(**options)
     refuse_others(study, effects)
-    write_json(output, study.weigh(effects).document())
+    write_json(output, study.weigh(tuple(sorted(effects))).document())
 
 
 @click.command("diagnosis")
@@ -104,10 +104,23 @@ def diagnosis_candidate(effects: tuple[str, ...], output: Path, **options: Any) 
 def diagnosis(candidates: tuple[Path, ...], jobs: int, output: Path, settings: str, **options: Any) -> None:
     """The verdict from all weighed CANDIDATES (diagnosis.json)."""
     study = study_of(settings=settings, **options)
-    found = [study.weigh(())] + [CandidateResult.read(read_json(path)) for path in candidates]
+    found = [study.weigh(()), *read_weighed(candidates, study)]
     chosen = parse_settings(settings).get("diagnosis", {})
     weighed = with_pairs(study, found, chosen.get("pairs", 6), jobs)
     write_json(output, conclude(study, weighed, chosen.get("null_campaigns", CAMPAIGNS)))
+
+
+def read_weighed(paths: Sequence[Path], study: Study) -> list[CandidateResult]:
+    """Weighed candidates. Raises InputError for a set of effects that comes twice, or one of the lookalikes."""
+    found: dict[tuple[str, ...], CandidateResult] = {}
+    for path in paths:
+        result = CandidateResult.read(read_json(path))
+        if set(result.effects) & set(study.lookalikes):
+            raise InputError(path, "weighs a lookalike, which the verdict weighs by itself", "leave it out")
+        if result.effects in found:
+            raise InputError(path, "weighs what another file does", "give a file for each set of effects")
+        found[result.effects] = result
+    return list(found.values())
 
 
 @click.command("confusion")

@@ -24,8 +24,8 @@ def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, sim
     ``simulated`` (campaigns,): the statistic of campaigns without a gap; their median is the floor. What is closed and
     what is left are resampled over conditions (their cells move together), at least as widely as the simulated ones
     scatter. The interval is of closed / (closed + left), which ends at 1 unless something is left beyond that noise,
-    and of anything in 0..1 to the extent that noise alone makes as large a gap before. One that does not exceed the
-    floor has nothing to close: shrinkage 0, interval 0..1.
+    and of anything in 0..1 to the extent that noise alone makes as large a gap before, or where a single condition says
+    nothing of others. One that does not exceed the floor has nothing to close: shrinkage 0, interval 0..1.
     """
     floor = float(np.median(simulated))
     before_cells = _ratios(cells, base)
@@ -47,6 +47,8 @@ def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, sim
     least = _share(closed, np.maximum(left, 0.0), real, 0.0)
     most = np.minimum(_share(closed, left, real, 1.0), max(1.0, shrinkage))
     bottom, top = np.quantile(least, 0.05), np.quantile(most, 0.95)
+    if counts.shape[1] < 2:
+        bottom, top = 0.0, 1.0
     return {
         "before": before, "after": later, "noise_floor": floor, "shrinkage": float(shrinkage),
         "interval": [float(min(bottom, shrinkage)), float(max(top, shrinkage))], "held_out_by": "condition",
@@ -102,15 +104,24 @@ def _surely(
     return float(np.quantile(later / np.maximum(before, 1e-300), 0.05))
 
 
-def total_gap(cells: Cells, base: CandidateResult, after: CandidateResult, floor: float,
+def total_gap(cells: Cells, base: CandidateResult, after: CandidateResult, simulated: FloatArray,
               rng: np.random.Generator) -> dict[str, Any]:  # fmt: skip
-    """Contract's ``gap.total``; the interval is of ``before``, over conditions."""
+    """Contract's ``gap.total``; the interval is of ``before``, over conditions; ``simulated`` as in ``gap_numbers``."""
     ratio = _ratios(cells, base)
     counts, index = _condition_draws(cells, rng)
     draws = (counts @ np.bincount(index, weights=ratio)) / (counts @ np.bincount(index))
+    value = float(ratio.mean())
+    return {"before": value, "after": float(_ratios(cells, after).mean()),
+            "noise_floor": float(np.median(simulated)), "interval": _interval(value, draws, simulated)}  # fmt: skip
+
+
+def _interval(value: float, draws: FloatArray, simulated: FloatArray) -> list[float]:
+    """90 % interval of a size by its ``draws`` over conditions; of a single one, which says nothing of others, by what
+    noise alone moves it (``simulated`` sizes without a gap)."""
+    if np.ptp(draws) == 0.0:
+        draws = np.maximum(value + simulated - np.median(simulated), 0.0)
     low, high = np.quantile(draws, [0.05, 0.95])
-    return {"before": float(ratio.mean()), "after": float(_ratios(cells, after).mean()),
-            "noise_floor": floor, "interval": [float(low), float(high)]}  # fmt: skip
+    return [float(min(low, value)), float(max(high, value))]
 
 
 def by_observable(cells: Cells, base: CandidateResult, after: CandidateResult, simulated: FloatArray,
@@ -129,11 +140,11 @@ def by_observable(cells: Cells, base: CandidateResult, after: CandidateResult, s
             return np.sqrt(np.maximum(0.0, np.mean(errors**2, axis=-1) - variance))
 
         draws = size(before[rows[rng.integers(0, len(rows), (BOOTSTRAPS, len(rows)))]])
-        value, (low, high) = float(size(before[rows])), np.quantile(draws, [0.05, 0.95])
+        value, noise = float(size(before[rows])), size(null[:, rows])
         found[name] = {
             "before": value, "after": float(size(later[rows])),
-            "noise_floor": float(np.median(size(null[:, rows]))),
-            "interval": [float(min(low, value)), float(max(high, value))],
+            "noise_floor": float(np.median(noise)),
+            "interval": _interval(value, draws, noise),
             "unit": units[name], "p_value": float(p_values.get(name, 1.0)),
         }  # fmt: skip
     return found

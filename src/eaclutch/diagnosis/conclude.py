@@ -16,6 +16,7 @@ from eaclutch.diagnosis.gate import simulate_null
 from eaclutch.diagnosis.gaussian import Linearised, leave_out, log_normal
 from eaclutch.diagnosis.localise import Explained, localise
 from eaclutch.diagnosis.next_experiment import next_experiments
+from eaclutch.diagnosis.placing import Entries
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.session_moves import sessions_apart
 from eaclutch.diagnosis.study import SESSION_SPREADS, Study
@@ -47,9 +48,9 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
     null = simulate_null(linearised, strict, study.generator(11), campaigns)
     simulated = null.strict @ left.prediction_error.T
     squares = study.cells.mean_square(simulated[:, : study.data.run_entries])
-    floor = float(np.median(squares))
     sound = with_readings(replace(study.base, linearised=study.sound), study.readings)
-    elsewhere = leave_out(sound, groups).prediction_error
+    # a place is looked for in the bench's capacitance, too, a width left out at a time
+    elsewhere = leave_out(sound, [*groups, *Entries.of(study.data).of_widths()]).prediction_error
     # of the fit whose errors they are compared with: parameters that a gap has bent would pass for noise
     quiet = simulate_null(sound, strict, study.generator(11), campaigns).strict @ elsewhere.T
     where = localise(
@@ -67,7 +68,7 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
         "campaign": study.inputs.bench.name,
         "model": {"effects": list(study.inputs.effects)},
         "gap": {
-            "total": total_gap(study.cells, base, after, floor, study.generator(14)),
+            "total": total_gap(study.cells, base, after, squares, study.generator(14)),
             "by_observable": by_observable(
                 study.cells, base, after, simulated, where.observable_p, units, study.generator(15)
             ),

@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 
 MOST_ENTRIES = 1500  # of runs: matrices of 18 MB
+FEWEST_SESSIONS = 3
 
 
 def condense(table: pd.DataFrame, channels: int) -> tuple[pd.DataFrame, tuple[str, ...]]:
@@ -17,16 +18,18 @@ def condense(table: pd.DataFrame, channels: int) -> tuple[pd.DataFrame, tuple[st
     was done to get there.
 
     Where there are more, consecutive sessions become one, as few as needed: what they differ by then counts as scatter
-    between repeats. Where the conditions alone are too many, those with the fewest runs are left out.
+    between repeats. Where there are so many conditions that fewer than FEWEST_SESSIONS would be left, those with the
+    fewest runs are left out: without sessions nothing can be said of what drifts from one to the next.
     """
     most = max(1, MOST_ENTRIES // max(1, channels))
     if _groups(table["condition"], table["session"]) <= most:
         return table, ()
     notes = []
     runs = table["condition"].value_counts(sort=True, ascending=False)
-    if len(runs) > most:
-        table = table[table["condition"].isin(runs.index[:most])].reset_index(drop=True)
-        notes.append(f"the {len(runs) - most} of {len(runs)} conditions with the fewest runs are left out")
+    kept = max(1, most // min(FEWEST_SESSIONS, table["session"].nunique()))
+    if len(runs) > kept:
+        table = table[table["condition"].isin(runs.index[:kept])].reset_index(drop=True)
+        notes.append(f"the {len(runs) - kept} of {len(runs)} conditions with the fewest runs are left out")
     sessions = list(dict.fromkeys(table.sort_values("run")["session"].astype(str)))
     for count in range(len(sessions), 0, -1):
         blocks = np.array_split(np.array(sessions, dtype=object), count)

@@ -18,10 +18,9 @@ from eaclutch.diagnosis.repeatability import centred, preload_bins
 from eaclutch.records import FloatArray
 
 FEWEST = 8  # degrees of freedom of the repeats' scatter, from which an order is looked for
-ORDERS, BATCHES = (
-    10_000,
-    100,
-)  # of repeats, drawn at random; so often, until ENOUGH say as much as the one measured
+# of repeats, drawn at random at a time; so often, until ENOUGH say as much as the one measured
+ORDERS, BATCHES = 10_000, 100
+PLACES = 2_000_000  # of all orders drawn at a time: what fits into memory however many runs there are
 ENOUGH = 10
 CLEAR = 0.01  # p-value up to which an order is spoken of
 SMALL = 1e-300  # a sum of squares that is none
@@ -57,6 +56,11 @@ class _Repeats:
     basis: FloatArray
     size: float
 
+    @property
+    def orders(self) -> int:
+        """How many are drawn at a time."""
+        return max(1, min(ORDERS, PLACES // len(self.scatter)))
+
     def share(self, scatter: FloatArray) -> FloatArray:
         """Of ``scatter`` (..., runs), what the lines say."""
         said: FloatArray = np.sum((scatter @ self.basis) ** 2, axis=-1) / max(
@@ -65,10 +69,10 @@ class _Repeats:
         return said
 
     def reordered(self, rng: np.random.Generator) -> FloatArray:
-        """(ORDERS,) shares with the repeats of each group in another order, drawn at random."""
+        """(``orders``,) shares with the repeats of each group in another order, drawn at random."""
         place = np.argsort(self.groups, kind="stable")
-        keys = self.groups[place] + rng.random((ORDERS, len(place)))
-        drawn = np.empty((ORDERS, len(place)))
+        keys = self.groups[place] + rng.random((self.orders, len(place)))
+        drawn = np.empty((self.orders, len(place)))
         drawn[:, place] = self.scatter[place][np.argsort(keys, axis=1)]
         return self.share(drawn)
 
@@ -79,7 +83,7 @@ class _Repeats:
         while as_much < ENOUGH and batches < BATCHES:
             as_much += int(np.sum(self.reordered(rng) >= seen))
             batches += 1
-        return (as_much + 1.0) / (batches * ORDERS + 1.0)
+        return (as_much + 1.0) / (batches * self.orders + 1.0)
 
 
 def repeat_drift(

@@ -16,6 +16,7 @@ from scipy.special import logsumexp
 
 from eaclutch.diagnosis.clouds import cloud_of
 from eaclutch.diagnosis.covariance import Kernels
+from eaclutch.diagnosis.hypothesis import effect_shifts, neutral_parameters
 from eaclutch.diagnosis.modulated import changes, gains
 from eaclutch.diagnosis.starts import scout_shifts
 from eaclutch.diagnosis.study import Study
@@ -132,12 +133,7 @@ class Forecast:
             ]
         )
         theta = np.clip(theta, [p.bounds[0] for p in known.values()], [p.bounds[1] for p in known.values()])
-        neutral = theta[:1].copy()
-        for i, p in enumerate(known.values()):
-            if forward.own(p.name) and p.neutral is not None:
-                neutral[0, i] = p.neutral
-        found = forward.representative.predict(np.concatenate([theta, neutral]))
-        return draws, found[:-1] - found[-1]
+        return draws, effect_shifts(forward, theta, neutral_parameters(forward, theta[0]), (name,))
 
     def document(self, rng: np.random.Generator) -> dict[str, Any]:
         """confusion.json: {truth: {verdict: probability}}, limits, which effects are identifiable."""
@@ -172,7 +168,8 @@ class Forecast:
         for size in SIZES:
             data = self.simulate(size * shifts[typical], 4 * REPLICAS, rng, self._law_share(name))
             right.append(float(np.mean(self.verdicts(data) == index)))
-        sure = [i for i in range(len(SIZES)) if right[i] >= SURE]
+        # also on average over all that is larger: a law that saturates may be confused again
+        sure = [i for i in range(len(SIZES)) if right[i] >= SURE and float(np.mean(right[i:])) >= SURE]
         size = float(SIZES[sure[0]]) if sure else None
         amplitudes = {p.name for p in EFFECTS[name].parameters if p.neutral is not None}
         return {

@@ -26,7 +26,7 @@ class Forward:
     """Predictions of the data vector under one set of effects.
 
     ``priors`` holds the free parameters: the calibrated ones and those of ``candidates`` (effects on top of the
-    campaign's own model), without those that move nothing in this campaign.
+    campaign's own model), without those that move nothing in this campaign; these are ``held`` at their default.
     """
 
     def __init__(
@@ -39,8 +39,10 @@ class Forward:
         self.model, self.data, self.candidates = model, data, tuple(candidates)
         free = [_with_prior(p, priors or {}) for p in model.parameters.values() if self._free(p.name)]
         self.readings = Readings.of(data)
+        self.held: tuple[Parameter, ...] = ()
         if self.candidates:
             idle = self._idle([p for p in free if self.own(p.name)])
+            self.held = tuple(p for p in free if p.name in idle)
             free = [p for p in free if p.name not in idle]
         self.priors = Priors.of((*free, *self.readings.parameters))
 

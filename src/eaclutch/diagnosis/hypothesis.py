@@ -57,9 +57,19 @@ def own_signature(forward: Forward, theta: FloatArray) -> FloatArray:
     """How far the candidates move the prediction from neutral at ``theta``, (entries,)."""
     if not forward.candidates:
         return np.zeros(len(forward.data))
-    neutral = neutral_parameters(forward, theta)
-    both = forward.representative.predict(np.stack([theta, neutral]))
-    return both[0] - both[1]
+    return effect_shifts(forward, theta[None], neutral_parameters(forward, theta), forward.candidates)[0]
+
+
+def effect_shifts(
+    forward: Forward, theta: FloatArray, neutral: FloatArray, switched: Sequence[str]
+) -> FloatArray:
+    """How far ``theta`` (draws, params) moves the entries from ``neutral`` (params,), (draws, entries), where what is
+    held of the effects ``switched`` is neutral, too: a law that is on or off has no slope, and still acts."""
+    held = {p.name: np.array([p.neutral]) for p in forward.held
+            if p.neutral is not None and p.name.split(".")[0] in switched}  # fmt: skip
+    off = forward.representative.predict_named(forward.named(neutral[None]) | held, 1)
+    moved: FloatArray = forward.representative.predict(theta) - off
+    return moved
 
 
 def form_signature(forward: Forward, theta: FloatArray) -> FloatArray:

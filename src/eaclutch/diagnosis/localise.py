@@ -93,7 +93,11 @@ def localise(
     use = masks.sum(axis=1) > 0
     tests, masks = [t for t, keep in zip(tests, use, strict=True) if keep], masks[use]
     size = masks.sum(axis=1)
-    p_values = max_statistic(np.log1p(masks @ ratio / size), np.log1p(null @ masks.T / size))
+    # a strip left out is predicted far worse than its readings repeat: counted in what is usual for that
+    usual = np.where(np.arange(len(ratio)) < entries.runs, 1.0, null.mean(axis=0))
+    p_values = max_statistic(
+        np.log1p(masks @ (ratio / usual) / size), np.log1p((null / usual) @ masks.T / size)
+    )
     observable_p = {
         name: float(p_values[i]) for i, (name, split) in enumerate(tests) if split.factor == "all"
     }

@@ -20,6 +20,7 @@ RUNS = 5
 SHOWN = 3
 CONTENDERS = 4
 SMALLEST_WEIGHT = 0.01
+APART = 0.1  # squared sds, nearer than which runs cannot bring two hypotheses apart
 
 
 def next_experiments(
@@ -33,16 +34,10 @@ def next_experiments(
     (Kolchinsky & Tracey 2017, doi:10.3390/e19070361), from the predictions at each hypothesis' own fit, the observables
     taken as independent.
     """
-    fitted = {r.effects: r for r in results}
-    order = sorted((e for e in weights if e != UNKNOWN), key=lambda e: -weights[e])[:CONTENDERS]
-    contenders = [e for e in order if weights[e] >= SMALLEST_WEIGHT] or order[:1]
-    if len(contenders) < 2:
-        contenders = order[:2]
+    grid, variance = _grid(study), _variance(study)
+    contenders, predictions = _contenders(study, results, weights, grid, variance)
     if len(contenders) < 2:
         return []
-    grid = _grid(study)
-    predictions = np.array([_predict(study, fitted[e], grid) for e in contenders])
-    variance = _variance(study)
     p = np.array([max(weights[e], 1e-3) for e in contenders])
     p = p / p.sum()
     distance = (predictions[:, None] - predictions[None]) ** 2 / variance[:, None]
@@ -56,7 +51,7 @@ def next_experiments(
         entry = {
             "voltage_v": float(grid.voltage[i]), "frequency_hz": float(grid.frequency[i]),
             "width_mm": float(grid.width[i] * 1e3), "preload_n": float(_preload(study, grid)[i]), "runs": RUNS,
-            "information_nats": float(max(information[i], 0.0)),
+            "information_nats": max(0.0, float(information[i])),
             "separates": ["+".join(contenders[k]) or "none" for k in pair],
         }  # fmt: skip
         if all(
@@ -66,6 +61,30 @@ def next_experiments(
         if len(found) == SHOWN:
             break
     return found
+
+
+def _contenders(
+    study: Study,
+    results: Sequence[CandidateResult],
+    weights: Mapping[tuple[str, ...], float],
+    grid: RunConditions,
+    variance: FloatArray,
+) -> tuple[list[tuple[str, ...]], FloatArray]:
+    """The most probable hypotheses and what each predicts (contenders, channels, settings): two at least, as far as
+    there are any that differ somewhere on the grid from those before them (a pair whose second effect does nothing is
+    no rival of the first)."""
+    fitted = {r.effects: r for r in results}
+    kept: list[tuple[str, ...]] = []
+    said: list[FloatArray] = []
+    for effects in sorted((e for e in weights if e != UNKNOWN), key=lambda e: -weights[e]):
+        if len(kept) == CONTENDERS or (len(kept) > 1 and weights[effects] < SMALLEST_WEIGHT):
+            break
+        predicted = _predict(study, fitted[effects], grid)
+        apart = [np.max(np.nansum((predicted - other) ** 2 / variance[:, None], axis=0)) for other in said]
+        if min(apart, default=np.inf) > APART:
+            kept.append(effects)
+            said.append(predicted)
+    return kept, np.array(said)
 
 
 def _separated(distance: FloatArray, p: FloatArray) -> tuple[int, int]:
@@ -80,7 +99,8 @@ def _grid(study: Study) -> RunConditions:
     """All settings worth asking for, as runs of the campaign's last session: widths that its substrates have."""
     runs = study.conditions
     name = runs.substrate[0]
-    thickness = {round(w * 1e3, 6): t for w, t in zip(runs.width, runs.thickness, strict=True)}
+    strips = zip(runs.substrate, runs.width, runs.thickness, strict=True)
+    thickness = {round(w * 1e3, 6): t for of, w, t in strips if of == name}
     substrate = study.inputs.bench.substrates.get(name)
     if substrate is not None:
         thickness = {round(w * 1e3, 6): t for w, t in substrate.thickness.items()} | thickness

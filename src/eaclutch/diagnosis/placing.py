@@ -47,6 +47,11 @@ class Entries:
             n,
         )
 
+    def of_widths(self) -> list[np.ndarray]:
+        """The bench's capacitance by strip width: what is left out together, each into the data vector."""
+        index, width = self.index[self.runs :], self.condition[self.runs :].astype(str)
+        return [index[width == w] for w in dict.fromkeys(width)]
+
     def excess(self, data: DataVector, cells: Cells, errors: FloatArray) -> FloatArray:
         """Squared errors (..., entries) over the variance of the entry's mean, weighted like the contract's cells;
         ``errors`` (..., all entries of the data)."""

@@ -16,7 +16,7 @@ from scipy.stats import qmc
 from eaclutch.diagnosis.covariance import Kernels
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.forward import Forward
-from eaclutch.diagnosis.hypothesis import HypothesisFit, neutral_parameters
+from eaclutch.diagnosis.hypothesis import HypothesisFit, effect_shifts, neutral_parameters
 from eaclutch.diagnosis.readings import PREFIX
 from eaclutch.records import FloatArray
 
@@ -106,8 +106,8 @@ def scout_shifts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, Flo
     u, own = _scouts(forward, base)
     theta = forward.priors.from_normal(u)
     neutral = neutral_parameters(forward, theta[0], own)
-    predicted = forward.representative.predict(np.concatenate([theta, neutral[None]]))
-    return predicted[:-1] - predicted[-1], 0.5 * np.sum(u[:, own] ** 2, axis=1)
+    added = [name for name in forward.candidates if name not in base.effects]
+    return effect_shifts(forward, theta, neutral, added), 0.5 * np.sum(u[:, own] ** 2, axis=1)
 
 
 def _scouts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, list[int]]:

@@ -315,6 +315,19 @@ def test_side_friction_is_part_of_the_friction_that_tells_the_preload(fill, inpu
     )
 
 
+def test_where_all_friction_differs_the_walls_still_add_up_to_the_friction_before(inputs):
+    """A session that rubs 1.3 times as much: 1.3 mu P, the weights' friction and the walls' are what was measured."""
+    sockets = Sockets(friction_factor=1.3)
+    values = {p.name: p.default for p in EFFECTS["edge_wrap"].parameters}
+    values |= {"friction_per_preload": 3.0, "preload_exponent": 1.5, "width_exponent": 0.0}
+    foot = np.asarray(EFFECTS["edge_wrap"].apply(sockets, inputs, values).side_friction)[:3] / 3.0
+    preload = 0.5 * (foot / 0.5) ** (1.0 / 1.5)
+    weights = inputs.conditions.friction_before[:3] - 0.327 * np.asarray(inputs.preload)[:3]
+    np.testing.assert_allclose(
+        1.3 * (0.327 * preload + weights) + 3.0 * foot, inputs.conditions.friction_before[:3], rtol=1e-6
+    )
+
+
 def test_sessions_beyond_the_last_offset_share_it(fill, inputs):
     object.__setattr__(inputs, "session_index", np.array([0, 6, 7, 12]))
     filled = fill("session_drift", offset_6=0.1, offset_7=0.3, friction_share=0.0)

@@ -36,9 +36,11 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
     p = inputs.parameters
     narrower = REFERENCE_WIDTH / inputs.conditions.width
     coefficient = values["friction_per_preload"] * narrower ** np.asarray(values["width_exponent"])
-    sliding = p["base_kinetic"] + p["film_kinetic"]
+    bare, factor = p["base_kinetic"] + p["film_kinetic"], np.asarray(sockets.friction_factor)
     exponent = np.asarray(values["preload_exponent"])
-    preload = _pressed(inputs.preload, coefficient / sliding, exponent)
+    # what the friction before says of the preload where all friction is ``factor`` times as large
+    without = inputs.preload + inputs.conditions.friction_before * (1.0 / factor - 1.0) / bare
+    preload = _pressed(without, coefficient / (factor * bare), exponent)
     foot = REFERENCE_PRELOAD * (preload / REFERENCE_PRELOAD) ** exponent
     kinetic = coefficient * foot
     kappa = np.asarray(sockets.kappa_driven)

@@ -30,4 +30,5 @@ EFFECT = Effect(
     validity="a switch: there is nothing between a dynamic and a massless load cell",
     apply=apply,
     draw=lambda rng: {"strength": 1.0},
+    exact=True,  # on or off
 )
