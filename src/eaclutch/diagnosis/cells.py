@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,10 +11,14 @@ import pandas as pd
 from scipy import sparse
 
 from eaclutch.diagnosis.data import DataVector
-from eaclutch.diagnosis.repeatability import pooled_variance, preload_bins, shrunk_variance
+from eaclutch.diagnosis.repeatability import (
+    FEW,
+    across_sessions,
+    pooled_variance,
+    preload_bins,
+    shrunk_variance,
+)
 from eaclutch.records import FloatArray
-
-FEW = 5  # degrees of freedom below which repeats may agree by chance
 
 
 @dataclass(frozen=True)
@@ -97,9 +101,10 @@ def native_variances(
 ) -> tuple[dict[str, float], dict[str, int]]:
     """Repeat variance of a single run of each observable in its unit squared, and its degrees of freedom.
 
-    Where repeats are few (degrees of freedom say so) it is drawn to the extractor's own variance and what runs usually
-    scatter by (``unrepeated_sd``): two runs that happen to agree, or a place of rest that is read to a permille and
-    reached by chance, would make any gap a huge one, and that observable all of it.
+    Where repeats are few (degrees of freedom say so) it is drawn to what runs scatter by across sessions, and that to
+    the extractor's own variance and what runs usually scatter by (``unrepeated_sd``): two runs that happen to agree, or
+    a place of rest that is read to a permille and reached by chance, would make any gap a huge one, and that observable
+    all of it.
     """
     conditions = data.conditions
     keys = [f"{c}|{s}" for c, s in zip(conditions.condition, conditions.session, strict=True)]
@@ -118,6 +123,8 @@ def native_variances(
             unit = np.nanmean(values**2) if channel.scale == "log" else channel.unit_scale**2
             typical = float(np.nanmedian(own)) if np.isfinite(own).any() else 0.0
             usual = typical + float(thresholds["unrepeated_sd"][channel.block]) ** 2 * float(unit)
-            variance = shrunk_variance(repeat, usual, thresholds["repeat_prior_dof"])
+            across, worth = across_sessions(scaled, conditions), thresholds["repeat_prior_dof"]
+            across = replace(across, variance=across.variance * float(unit))
+            variance = shrunk_variance(repeat, shrunk_variance(across, usual, worth), worth + across.dof)
         variances[channel.name], dofs[channel.name] = variance, repeat.dof
     return variances, dofs

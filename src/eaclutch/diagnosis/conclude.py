@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 
 from eaclutch.diagnosis.causes import causes
-from eaclutch.diagnosis.cells import FEW
 from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_left, total_gap, widened
 from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.gate import simulate_null
@@ -17,6 +16,7 @@ from eaclutch.diagnosis.gaussian import Linearised, leave_out, log_normal
 from eaclutch.diagnosis.localise import Explained, localise
 from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.placing import Entries
+from eaclutch.diagnosis.repeatability import FEW
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.session_moves import sessions_apart
 from eaclutch.diagnosis.study import SESSION_SPREADS, Study

@@ -12,6 +12,10 @@ import numpy as np
 from eaclutch.records import FloatArray, RunConditions
 from eaclutch.rig.table import PRELOAD_EDGES
 
+FEW = 5  # degrees of freedom below which repeats may agree by chance
+EFFICIENCY = 0.37  # of a median as an estimate of normal scatter: what its degrees of freedom are worth
+NORMAL = 1.4826  # normal sds in a median absolute deviation
+ODD, FITS = 5.0, 4  # sds from which a run takes no part in the next fit, and how many are made
 SESSION_DOF = 2.0  # what the pooled repeat variance weighs against a session's own
 BIN = re.compile(r"_p([\d.e+-]+(?:inf)?N|unknown)$")  # the preload bin that a condition's name ends in
 
@@ -64,6 +68,39 @@ def pooled_variance(
     return RepeatVariance(variance, max(dof, 0))
 
 
+def across_sessions(values: FloatArray, conditions: RunConditions) -> RepeatVariance:
+    """Variance of a single run as far as sessions show it: what is left of (condition, session) means once every
+    condition and every session has its own. An effect that is the same in all sessions takes no part, nor a session
+    that is higher by the same for all conditions; by the median and without the farthest, so that few odd runs do not.
+
+    values (runs,): not-a-number does not count. dof: what the median's are worth, 0 (variance not-a-number) where
+    fewer than FEW are left.
+    """
+    names = np.array(conditions.condition, dtype=str)
+    sessions = np.array(conditions.session, dtype=str)
+    use = np.isfinite(values)
+    once = [name for name in np.unique(names[use]) if len(set(sessions[use & (names == name)])) < 2]
+    use &= ~np.isin(names, once)
+    _, group = np.unique(np.char.add(np.char.add(names, "|"), sessions)[use], return_inverse=True)
+    if len(group) == 0:
+        return RepeatVariance(np.nan, 0)
+    count = np.bincount(group)
+    mean = np.bincount(group, weights=values[use]) / count
+    first = np.flatnonzero(use)[np.unique(group, return_index=True)[1]]
+    design = np.hstack([labels[first][:, None] == np.unique(labels[first]) for labels in (names, sessions)])
+    kept, variance, dof = np.ones(len(mean), dtype=bool), np.nan, 0
+    for _ in range(FITS):
+        fit, _, rank, _ = np.linalg.lstsq(design[kept].astype(float), mean[kept], rcond=None)
+        dof = int(np.count_nonzero(kept)) - int(rank)
+        if dof < FEW:
+            return RepeatVariance(np.nan, 0)
+        apart = np.abs(mean - design @ fit) * np.sqrt(count)
+        variance = (NORMAL * float(np.median(apart[kept]))) ** 2 * np.count_nonzero(kept) / dof
+        # one odd run pulls the mean of its session, and so all others of it, away
+        kept = apart <= ODD * np.sqrt(variance)
+    return RepeatVariance(variance, int(EFFICIENCY * dof))
+
+
 def shrunk_variance(repeat: RepeatVariance, prior_variance: float, prior_dof: float) -> float:
     """Repeat variance drawn towards what is expected a priori, the more so the fewer the repeats."""
     if repeat.dof == 0:
@@ -79,13 +116,21 @@ def centred(values: FloatArray, groups: FloatArray) -> FloatArray:
 
 
 def run_variance(
-    repeat: RepeatVariance, sd: FloatArray, usable: np.ndarray, thresholds: Mapping[str, Any], block: str
+    repeat: RepeatVariance,
+    across: RepeatVariance,
+    sd: FloatArray,
+    usable: np.ndarray,
+    thresholds: Mapping[str, Any],
+    block: str,
 ) -> FloatArray:
-    """Variance of a single run (runs,): each run's own extractor variance plus what repeats scatter beyond it."""
+    """Variance of a single run (runs,): each run's own extractor variance plus what repeats scatter beyond it; where
+    these are few, what runs do ``across`` sessions stands in for what they usually do."""
     own = sd**2
     typical = float(np.median(own[usable]))
-    prior = typical + thresholds["repeat_sd"].get(block, 0.02) ** 2
-    total = shrunk_variance(repeat, prior, thresholds["repeat_prior_dof"])
+    prior, worth = typical + thresholds["repeat_sd"].get(block, 0.02) ** 2, thresholds["repeat_prior_dof"]
+    if repeat.dof < FEW:
+        prior, worth = shrunk_variance(across, prior, worth), worth + across.dof
+    total = shrunk_variance(repeat, prior, worth)
     return np.maximum(total - typical, 0.1 * total) + own
 
 
