@@ -388,8 +388,9 @@ def test_unknown_for_repeats_that_drift_is_said_so_unless_a_smooth_term_says_mor
 def test_a_drift_of_repeats_is_a_caveat_and_so_are_few_of_them():
     drift = RepeatDrift("shear_capacity_n", 0.72, 5e-5, 6.6, 0.09)
     study = SimpleNamespace(
-        data=SimpleNamespace(bench=SimpleNamespace(notes=())), condensed=(), swings=0, drift=drift, dof={"x": 5},
-        conditions=SimpleNamespace(condition=("a", "b"), session=("1", "2")), inputs=SimpleNamespace(effects=()),
+        data=SimpleNamespace(bench=SimpleNamespace(notes=()), run_values=[np.arange(12.0) ** 2]), condensed=(),
+        conditions=SimpleNamespace(condition=tuple("abcdef") * 2, session=("1",) * 6 + ("2",) * 6), swings=0,
+        drift=drift, dof={"x": 5}, inputs=SimpleNamespace(effects=()),
     )  # fmt: skip
     assert [
         note for note in caveats(study) if "shear_capacity_n follow the run order" in note and "72%" in note
@@ -399,4 +400,6 @@ def test_a_drift_of_repeats_is_a_caveat_and_so_are_few_of_them():
     study.dof = {"x": 2, "y": 0}
     assert [note for note in caveats(study) if "hardly any repeats (2 degrees of freedom" in note]
     study.dof = {"x": 0}
-    assert [note for note in caveats(study) if "no repeats" in note]
+    assert [note for note in caveats(study) if "no repeats" in note and "across sessions" in note]
+    study.data.run_values[0][6:] = np.nan  # one session: nothing else shows how runs scatter
+    assert [note for note in caveats(study) if "no repeats" in note and "usually scatter" in note]

@@ -16,7 +16,7 @@ from eaclutch.diagnosis.gaussian import Linearised, leave_out, log_normal
 from eaclutch.diagnosis.localise import Explained, localise
 from eaclutch.diagnosis.next_experiment import next_experiments
 from eaclutch.diagnosis.placing import Entries
-from eaclutch.diagnosis.repeatability import FEW
+from eaclutch.diagnosis.repeatability import FEW, across_sessions
 from eaclutch.diagnosis.result import CandidateResult, condition_groups, with_readings
 from eaclutch.diagnosis.session_moves import sessions_apart
 from eaclutch.diagnosis.study import SESSION_SPREADS, Study
@@ -169,12 +169,13 @@ def caveats(study: Study) -> list[str]:
     if len(sessions) < 2:
         notes.append("one session only: session drift cannot be told")
     most = max(study.dof.values(), default=0)
+    across = any(across_sessions(values, study.conditions).dof for values in study.data.run_values)
+    instead = "what runs scatter by across sessions" if across else "what runs usually scatter by"
     if most == 0:
-        notes.append("no repeats: no noise floor, what runs usually scatter by stands in")
+        notes.append(f"no repeats within a session: no noise floor, {instead} stands in")
     elif most < FEW:
         notes.append(
-            f"hardly any repeats ({most} degrees of freedom at most): the noise floor is drawn to what runs usually "
-            "scatter by"
+            f"hardly any repeats ({most} degrees of freedom at most): the noise floor is drawn to {instead}"
         )
     if study.drift is not None:
         drift = study.drift
