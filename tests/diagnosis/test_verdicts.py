@@ -10,13 +10,12 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import BENCH, CANDIDATES, CONDITIONS, inputs
-from eaclutch.cli.diagnosis import read_weighed, refuse_others
 from eaclutch.diagnosis.causes import own_parameters
 from eaclutch.diagnosis.conclude import caveats, conclude, session_spread, stopped
 from eaclutch.diagnosis.drift import RepeatDrift
 from eaclutch.diagnosis.forward import UNPREDICTED
 from eaclutch.diagnosis.inputs import DiagnosisInputs
-from eaclutch.diagnosis.next_experiment import _contenders, _grid, _separated, _variance
+from eaclutch.diagnosis.next_experiment import _grid
 from eaclutch.diagnosis.pairs import with_pairs
 from eaclutch.diagnosis.readings import Readings
 from eaclutch.diagnosis.result import CandidateResult
@@ -24,7 +23,7 @@ from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.verdict import decide
 from eaclutch.diagnosis.weigh import probabilities
-from eaclutch.files import Document, write_json
+from eaclutch.files import Document
 from eaclutch.physics.effects import BASE
 from eaclutch.records import CapacitanceReadings, InputError
 from eaclutch.simulation.noise import BenchNoise
@@ -227,13 +226,6 @@ def test_what_an_effect_explains_between_sessions_is_no_noise():
     assert session_spread(study, after) <= 1.0
 
 
-def test_where_a_tip_comes_to_rest_tells_no_experiment_from_another():
-    study = Study(inputs(), load_thresholds(), seed=3)
-    blocks = {channel.name: channel.block for channel in study.data.channels}
-    for name, variance in zip(blocks, _variance(study), strict=True):
-        assert variance >= study.thresholds["scatter"].get(blocks[name], 0.0) ** 2
-
-
 def test_no_experiment_asks_for_more_voltage_than_the_campaign_had(plain):
     assert max(entry["voltage_v"] for entry in plain["next_experiment"]) <= 300.0
     low = [c | {"voltage_v": min(c["voltage_v"], 150)} for c in CONDITIONS]
@@ -250,36 +242,6 @@ def test_parameters_of_a_candidate_that_the_model_has_are_reported_and_the_confi
     assert document["absorbed"]["series_compliance.compliance"]["before"] == pytest.approx(2.5e-5, rel=0.2)
     p_values = [entry["p_value"] for entry in document["gap"]["by_observable"].values()]
     assert min(p_values) >= 1 / 21 and np.allclose(21 * np.array(p_values), np.round(21 * np.array(p_values)))
-
-
-def test_hypotheses_that_predict_the_same_are_still_two():
-    assert _separated(np.zeros((3, 3)), np.full(3, 1 / 3)) == (0, 1)
-    distance = np.zeros((3, 3))
-    distance[0, 2] = distance[2, 0] = 1.0
-    assert _separated(distance, np.full(3, 1 / 3)) == (0, 2)
-
-
-def test_a_pair_whose_second_effect_does_nothing_is_no_rival_of_the_first():
-    study = Study(
-        inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}), load_thresholds(), seed=3
-    )
-    plain, single = study.weigh(()), study.weigh(("series_compliance",))
-    own = {f"series_compliance.{name}": entry for name, entry in single.parameters.items()}
-    idle = {"trigger_latency.delay": {"mean": 0.0, "sd": 1e-6, "unit": "s"}}
-    pair = replace(single, effects=("series_compliance", "trigger_latency"), parameters=own | idle)
-    weights = {single.effects: 0.95, pair.effects: 0.04, plain.effects: 0.01}
-    kept, said = _contenders(study, [plain, single, pair], weights, _grid(study), _variance(study))
-    assert kept == [("series_compliance",), ()] and len(said) == 2
-
-
-def test_a_new_experiment_takes_strips_of_one_substrate():
-    given = inputs()
-    wide = given.table["width_mm"] == 5
-    table = given.table.assign(
-        substrate=np.where(wide, "steel", "brass"), width_mm=np.where(wide, 6, given.table["width_mm"])
-    )
-    grid = _grid(Study(replace(given, table=table), load_thresholds(), seed=3))
-    assert set(grid.substrate) == {"brass"} and set(np.round(grid.width * 1e3, 6)) == {2.0, 5.0}
 
 
 def test_capacitance_that_is_off_has_a_place_with_its_own_sign_and_chance():
@@ -301,13 +263,6 @@ def test_capacitance_that_is_off_has_a_place_with_its_own_sign_and_chance():
     assert found[1]["p_value"] < 0.05
 
 
-def test_a_new_experiment_is_of_one_session():
-    study = Study(inputs(days=3), load_thresholds(), seed=3)
-    grid = _grid(study)
-    assert set(grid.session) == {"2025-03-03"}
-    assert set(np.asarray(grid.session_number)) == {2}
-
-
 def test_what_the_model_cannot_say_is_as_far_off_for_one_run_as_for_all(monkeypatch):
     """A strip that never lets go has no release: the same distance from the measured one either way."""
     study = Study(inputs(), load_thresholds(), seed=3)
@@ -326,30 +281,6 @@ def test_what_the_model_cannot_say_is_as_far_off_for_one_run_as_for_all(monkeypa
         np.testing.assert_allclose(
             prediction[0, runs][release], study.data.values[runs][release] + UNPREDICTED
         )
-
-
-@pytest.mark.parametrize(
-    "names",
-    [("trapped_chrage",), ("air_gap",), ("gas_slip", "gas_slip"), ("gas_slip", "film_tension", "gap_tilt")],
-    ids=" ".join,
-)
-def test_what_cannot_be_weighed_is_refused_by_name(names):
-    study = SimpleNamespace(candidates=("gas_slip", "film_tension", "gap_tilt"), lookalikes=("wet_film",))
-    refuse_others(study, ("gas_slip", "wet_film"))
-    with pytest.raises(InputError, match=names[0]):
-        refuse_others(study, names)
-
-
-def test_the_same_effects_in_two_files_and_lookalikes_are_refused(tmp_path):
-    study = Study(inputs(), load_thresholds(), seed=3)
-    base = study.weigh(("trigger_latency",))
-    for name, effects in (("a", base.effects), ("b", base.effects), ("c", ("wet_film",))):
-        write_json(tmp_path / name, replace(base, effects=effects).document())
-    assert [r.effects for r in read_weighed([tmp_path / "a"], study)] == [("trigger_latency",)]
-    with pytest.raises(InputError, match=r"b: weighs what another file does"):
-        read_weighed([tmp_path / "a", tmp_path / "b"], study)
-    with pytest.raises(InputError, match=r"c: weighs a lookalike"):
-        read_weighed([tmp_path / "c"], study)
 
 
 def test_a_fit_that_stopped_short_is_said():
