@@ -8,6 +8,7 @@ import pytest
 from eaclutch.diagnosis.repeatability import (
     RepeatVariance,
     across_sessions,
+    instead,
     pooled_variance,
     preload_bins,
     run_variance,
@@ -89,6 +90,11 @@ def test_what_few_conditions_or_one_session_show_is_no_scatter():
 
 
 def test_scatter_across_sessions_counts_where_repeats_are_few_and_not_where_they_are_many():
+    values, runs = once_a_session()
+    quiet, _ = once_a_session(sd=0.05)
+    least = across_sessions(quiet, runs)
+    assert instead(RepeatVariance(1.0, 4), [values, quiet], runs) == least
+    assert instead(RepeatVariance(1.0, 5), [values, quiet], runs).dof == 0
     thresholds, all_used = {"repeat_sd": {"capacity": 0.03}, "repeat_prior_dof": 3.0}, np.ones(4, dtype=bool)
 
     def sd(repeat, across):
@@ -97,5 +103,5 @@ def test_scatter_across_sessions_counts_where_repeats_are_few_and_not_where_they
     seen, none = RepeatVariance(0.1**2, 14), RepeatVariance(np.nan, 0)
     np.testing.assert_allclose(sd(none, none), 0.03)
     np.testing.assert_allclose(sd(none, seen), np.sqrt((14 * 0.1**2 + 3 * 0.03**2) / 17))
-    many = RepeatVariance(0.05**2, 20)
-    np.testing.assert_allclose(sd(many, seen), sd(many, none))
+    few = RepeatVariance(0.05**2, 2)
+    np.testing.assert_allclose(sd(few, seen), np.sqrt((2 * 0.05**2 + 14 * 0.1**2 + 3 * 0.03**2) / 19))

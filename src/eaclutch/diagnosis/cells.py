@@ -13,7 +13,7 @@ from scipy import sparse
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.repeatability import (
     FEW,
-    across_sessions,
+    instead,
     pooled_variance,
     preload_bins,
     shrunk_variance,
@@ -123,8 +123,8 @@ def native_variances(
             unit = np.nanmean(values**2) if channel.scale == "log" else channel.unit_scale**2
             typical = float(np.nanmedian(own)) if np.isfinite(own).any() else 0.0
             usual = typical + float(thresholds["unrepeated_sd"][channel.block]) ** 2 * float(unit)
-            across, worth = across_sessions(scaled, conditions), thresholds["repeat_prior_dof"]
+            across = instead(repeat, [scaled], conditions)
             across = replace(across, variance=across.variance * float(unit))
-            variance = shrunk_variance(repeat, shrunk_variance(across, usual, worth), worth + across.dof)
+            variance = shrunk_variance(repeat, usual, thresholds["repeat_prior_dof"], across)
         variances[channel.name], dofs[channel.name] = variance, repeat.dof
     return variances, dofs

@@ -169,13 +169,13 @@ def caveats(study: Study) -> list[str]:
     if len(sessions) < 2:
         notes.append("one session only: session drift cannot be told")
     most = max(study.dof.values(), default=0)
-    across = any(across_sessions(values, study.conditions).dof for values in study.data.run_values)
-    instead = "what runs scatter by across sessions" if across else "what runs usually scatter by"
-    if most == 0:
-        notes.append(f"no repeats within a session: no noise floor, {instead} stands in")
-    elif most < FEW:
+    if most < FEW:
+        across = any(across_sessions(values, study.conditions).dof for values in study.data.run_values)
+        seen = "what runs scatter by across sessions" if across else "what runs usually scatter by"
         notes.append(
-            f"hardly any repeats ({most} degrees of freedom at most): the noise floor is drawn to {instead}"
+            f"hardly any repeats ({most} degrees of freedom at most): the noise floor is drawn to {seen}"
+            if most > 0
+            else f"no repeats within a session: no noise floor, {seen} stands in"
         )
     if study.drift is not None:
         drift = study.drift

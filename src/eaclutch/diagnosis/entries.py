@@ -14,7 +14,7 @@ from eaclutch.diagnosis.channels import Channel
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.repeatability import (
     RepeatVariance,
-    across_sessions,
+    instead,
     pooled_variance,
     preload_bins,
     run_variance,
@@ -80,12 +80,13 @@ def build(
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
         repeat, spread = pooled_variance(scaled, conditions.friction_before, groups, bins), scaled
-        across = across_sessions(scaled, conditions)
+        compared = [scaled]
         if explained is not None:
-            other = pooled_variance(scaled - explained[i], conditions.friction_before, groups, bins)
+            compared.append(scaled - explained[i])
+            other = pooled_variance(compared[1], conditions.friction_before, groups, bins)
             if other.variance < repeat.variance:
-                repeat, spread = other, scaled - explained[i]
-            across = min(across, across_sessions(scaled - explained[i], conditions), key=lambda a: a.variance)
+                repeat, spread = other, compared[1]
+        across = instead(repeat, compared, conditions)
         variance = run_variance(repeat, across, sd, np.isfinite(scaled), thresholds, channel.block)
         variance = variance * session_share(spread, repeat, conditions, groups, bins)
         entries += _entries(scaled, variance, groups, len(kept))

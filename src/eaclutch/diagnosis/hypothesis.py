@@ -81,8 +81,7 @@ def form_signature(forward: Forward, theta: FloatArray) -> FloatArray:
     ]
     if not loose:
         return np.zeros(len(forward.data))
-    both = forward.representative.predict(np.stack([theta, neutral_parameters(forward, theta, loose)]))
-    return both[0] - both[1]
+    return effect_shifts(forward, theta[None], neutral_parameters(forward, theta, loose), ())[0]
 
 
 def neutral_parameters(forward: Forward, theta: FloatArray, which: Sequence[int] | None = None) -> FloatArray:

@@ -31,6 +31,9 @@ class RepeatVariance:
     dof: int
 
 
+NOTHING = RepeatVariance(float("nan"), 0)
+
+
 def preload_bins(conditions: Sequence[str], preload: FloatArray) -> np.ndarray:
     """Labels (runs,) of the bins inside which one slope against preload is removed: the bins that the conditions are
     named by, or those of ``preload`` [N] (runs,) where a name says none."""
@@ -83,7 +86,7 @@ def across_sessions(values: FloatArray, conditions: RunConditions) -> RepeatVari
     use &= ~np.isin(names, once)
     _, group = np.unique(np.char.add(np.char.add(names, "|"), sessions)[use], return_inverse=True)
     if len(group) == 0:
-        return RepeatVariance(np.nan, 0)
+        return NOTHING
     count = np.bincount(group)
     mean = np.bincount(group, weights=values[use]) / count
     first = np.flatnonzero(use)[np.unique(group, return_index=True)[1]]
@@ -93,7 +96,7 @@ def across_sessions(values: FloatArray, conditions: RunConditions) -> RepeatVari
         fit, _, rank, _ = np.linalg.lstsq(design[kept].astype(float), mean[kept], rcond=None)
         dof = int(np.count_nonzero(kept)) - int(rank)
         if dof < FEW:
-            return RepeatVariance(np.nan, 0)
+            return NOTHING
         apart = np.abs(mean - design @ fit) * np.sqrt(count)
         variance = (NORMAL * float(np.median(apart[kept]))) ** 2 * np.count_nonzero(kept) / dof
         # one odd run pulls the mean of its session, and so all others of it, away
@@ -101,11 +104,26 @@ def across_sessions(values: FloatArray, conditions: RunConditions) -> RepeatVari
     return RepeatVariance(variance, int(EFFICIENCY * dof))
 
 
-def shrunk_variance(repeat: RepeatVariance, prior_variance: float, prior_dof: float) -> float:
-    """Repeat variance drawn towards what is expected a priori, the more so the fewer the repeats."""
-    if repeat.dof == 0:
+def instead(
+    repeat: RepeatVariance, compared: Sequence[FloatArray], conditions: RunConditions
+) -> RepeatVariance:
+    """What shows how runs scatter where repeats are few: the least of what each of ``compared`` (runs,) says across
+    sessions; NOTHING where there are enough."""
+    if repeat.dof >= FEW:
+        return NOTHING
+    return min((across_sessions(values, conditions) for values in compared), key=lambda seen: seen.variance)
+
+
+def shrunk_variance(
+    repeat: RepeatVariance, prior_variance: float, prior_dof: float, across: RepeatVariance = NOTHING
+) -> float:
+    """Variance of repeats, and of runs ``across`` sessions, drawn towards what is expected a priori, the more so the
+    fewer there are."""
+    seen = [each for each in (repeat, across) if each.dof > 0]
+    if not seen:
         return prior_variance
-    return (repeat.dof * repeat.variance + prior_dof * prior_variance) / (repeat.dof + prior_dof)
+    total = prior_dof * prior_variance + sum(each.dof * each.variance for each in seen)
+    return total / (prior_dof + sum(each.dof for each in seen))
 
 
 def centred(values: FloatArray, groups: FloatArray) -> FloatArray:
@@ -123,14 +141,12 @@ def run_variance(
     thresholds: Mapping[str, Any],
     block: str,
 ) -> FloatArray:
-    """Variance of a single run (runs,): each run's own extractor variance plus what repeats scatter beyond it; where
-    these are few, what runs do ``across`` sessions stands in for what they usually do."""
+    """Variance of a single run (runs,): each run's own extractor variance plus what repeats scatter beyond it, or runs
+    ``across`` sessions (``instead``)."""
     own = sd**2
     typical = float(np.median(own[usable]))
-    prior, worth = typical + thresholds["repeat_sd"].get(block, 0.02) ** 2, thresholds["repeat_prior_dof"]
-    if repeat.dof < FEW:
-        prior, worth = shrunk_variance(across, prior, worth), worth + across.dof
-    total = shrunk_variance(repeat, prior, worth)
+    prior = typical + thresholds["repeat_sd"].get(block, 0.02) ** 2
+    total = shrunk_variance(repeat, prior, thresholds["repeat_prior_dof"], across)
     return np.maximum(total - typical, 0.1 * total) + own
 
 
