@@ -116,8 +116,8 @@ def total_gap(cells: Cells, base: CandidateResult, after: CandidateResult, simul
 
 
 def _interval(value: float, draws: FloatArray, simulated: FloatArray) -> list[float]:
-    """90 % interval of a size by its ``draws`` over conditions; of a single one, which says nothing of others, by what
-    noise alone moves it (``simulated`` sizes without a gap)."""
+    """90 % interval of a size by its ``draws`` over conditions. Where all of them agree (a single condition, which says
+    nothing of others; none above its noise) by what noise alone moves it (``simulated`` sizes without a gap)."""
     if np.ptp(draws) == 0.0:
         draws = np.maximum(value + simulated - np.median(simulated), 0.0)
     low, high = np.quantile(draws, [0.05, 0.95])
