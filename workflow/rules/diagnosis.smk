@@ -22,10 +22,12 @@ rule diagnosis_gap:
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
         code=code("diagnosis.conclude", "diagnosis.files", effects=EFFECTS_ON),
+    threads: 2
     message:
         "diagnosis: is there a gap"
     shell:
-        "eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q} --results {params.results:q}"
+        "NUMBA_NUM_THREADS={threads}"
+        " eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q} --results {params.results:q}"
         " --settings {params.settings:q} --seed {params.seed} --output {output:q}"
 
 

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
-from numba import prange
 
-from eaclutch.physics.kernels.compiled import compiled, compiled_parallel, threads, unmanaged
+from eaclutch.physics.kernels.compiled import compiled, compiled_free, threads, unmanaged
 from eaclutch.physics.kernels.engagement import engagement_time
 from eaclutch.physics.kernels.ramp import climb_since_level, driven_run, force_after_hold
 from eaclutch.physics.kernels.readout import read_crossings
@@ -31,7 +31,7 @@ RESULTS = (
     "own_switch_off", "gap_held",
 )  # fmt: skip
 STATUSES = ("capacity", "engagement", "release")
-WORTH_SHARING = 20_000.0  # us of work
+WORTH_SHARING = 10_000.0  # us of work
 
 
 @compiled
@@ -108,7 +108,7 @@ def simulate(p, tables, engage, releasing, fraction, tolerance, segments, work, 
     return n
 
 
-@compiled
+@compiled_free
 def simulate_share(rows, first, stride, tables, engage, releasing, fraction, tolerance, out, statuses):
     """Every ``stride``-th simulation from ``first`` on."""
     kept, scratch = np.empty((SEGMENTS, COLUMNS)), np.empty((4, 6))
@@ -117,22 +117,22 @@ def simulate_share(rows, first, stride, tables, engage, releasing, fraction, tol
         simulate(rows[i], light, engage, releasing, fraction, tolerance, segments, work, out[i], statuses[i])
 
 
-@compiled_parallel
-def simulate_parallel(rows, tables, engage, releasing, fraction, tolerance, out, statuses):
-    """All simulations, spread over the cores in interleaved shares."""
-    shares = 32
-    for share in prange(shares):
+def simulate_batch(rows, tables, engage, releasing, fraction, tolerance, out, statuses):
+    """``rows`` (n,) of Row -> ``out`` (n, results), ``statuses`` (n, 3), in interleaved shares, one a thread.
+    Small batches stay in one: handing them out costs more than they do, the more so where other processes keep the
+    cores busy. Plain threads, and not the compiler's own: those need everything compiled a second time, and do not
+    live on in a forked process."""
+    small = len(rows) * (1.0 + 5.0 * engage + 20.0 * releasing) < WORTH_SHARING
+    shares = 1 if small else threads()
+
+    def work(share):
         simulate_share(rows, share, shares, tables, engage, releasing, fraction, tolerance, out, statuses)
 
-
-def simulate_batch(rows, tables, engage, releasing, fraction, tolerance, out, statuses):
-    """``rows`` (n,) of Row -> ``out`` (n, results), ``statuses`` (n, 3). Small batches stay on one core: handing
-    them out costs more than they do, the more so where other processes keep the cores busy. So does a process that
-    has one thread: it need not compile everything a second time."""
-    if threads() == 1 or len(rows) * (1.0 + 5.0 * engage + 20.0 * releasing) < WORTH_SHARING:
-        simulate_share(rows, 0, 1, tables, engage, releasing, fraction, tolerance, out, statuses)
-    else:
-        simulate_parallel(rows, tables, engage, releasing, fraction, tolerance, out, statuses)
+    if shares == 1:
+        work(0)
+        return
+    with ThreadPoolExecutor(shares) as pool:
+        list(pool.map(work, range(shares)))
 
 
 @compiled

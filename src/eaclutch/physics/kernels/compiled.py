@@ -55,7 +55,7 @@ def _compile(**options: Any) -> Callable[[Callable], Callable]:
 
 compiled = _compile()
 inlined = _compile(forceinline=True)
-compiled_parallel = _compile(parallel=True)
+compiled_free = _compile(nogil=True)  # other threads go on while it runs
 
 
 def threads() -> int:
