@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
-
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -292,27 +290,6 @@ def test_same_numbers_on_any_number_of_cores(model, runs, monkeypatch):
         ]
     )
     assert np.array_equal(several, one, equal_nan=True) and np.array_equal(several[0], few, equal_nan=True)
-
-
-def test_as_many_threads_as_the_process_may_use(model, runs, monkeypatch):
-    import numba
-
-    from eaclutch.physics.kernels import batch
-
-    started = []
-
-    def pool(workers):
-        started.append(workers)
-        return ThreadPoolExecutor(workers)
-
-    monkeypatch.setattr(batch, "ThreadPoolExecutor", pool)
-    conditions = runs(voltage=np.linspace(150.0, 300.0, 1500))
-    found = []
-    for threads in (1, 3):
-        monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", threads)
-        found.append(model.predict(conditions, None, ["release_time_90_s"]).values["release_time_90_s"])
-    assert started == [3]
-    assert np.isfinite(found[0]).any() and np.array_equal(*found, equal_nan=True)
 
 
 def test_parallel_plates(runs):

@@ -109,12 +109,21 @@ def simulate(p, tables, engage, releasing, fraction, tolerance, segments, work, 
 
 
 @compiled_free
-def simulate_share(rows, first, stride, tables, engage, releasing, fraction, tolerance, out, statuses):
-    """Every ``stride``-th simulation from ``first`` on."""
-    kept, scratch = np.empty((SEGMENTS, COLUMNS)), np.empty((4, 6))
+def _simulate_share(
+    rows, first, stride, tables, engage, releasing, fraction, tolerance, kept, scratch, out, statuses
+):
     segments, work, light = unmanaged(kept), unmanaged(scratch), bare_tables(tables)
     for i in range(first, len(rows), stride):
         simulate(rows[i], light, engage, releasing, fraction, tolerance, segments, work, out[i], statuses[i])
+
+
+def simulate_share(rows, first, stride, tables, engage, releasing, fraction, tolerance, out, statuses):
+    """Every ``stride``-th simulation from ``first`` on."""
+    # made and held here: compiled code lets go of an array after its last use, which for ``unmanaged`` is too early
+    kept, scratch = np.empty((SEGMENTS, COLUMNS)), np.empty((4, 6))
+    _simulate_share(
+        rows, first, stride, tables, engage, releasing, fraction, tolerance, kept, scratch, out, statuses
+    )
 
 
 def simulate_batch(rows, tables, engage, releasing, fraction, tolerance, out, statuses):

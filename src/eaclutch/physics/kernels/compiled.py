@@ -77,5 +77,5 @@ def _pointer(typing_context, address):  # type: ignore[no-untyped-def]
 @inlined
 def unmanaged(array):
     """The same float64 array without reference counts (they cost more than a table look-up where branches keep the
-    compiler from dropping them). The caller keeps ``array`` alive."""
+    compiler from dropping them). ``array`` belongs to somebody outside compiled code, who keeps it alive."""
     return carray(_pointer(array.ctypes.data), array.shape)  # type: ignore[call-arg]
