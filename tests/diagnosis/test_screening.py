@@ -158,6 +158,21 @@ def test_a_second_effect_that_widens_the_gap_left_out_explains_no_part_of_it():
     assert max(wider, key=wider.__getitem__) == named.effects
 
 
+def test_what_widens_the_gap_left_out_may_still_swing():
+    """The gap holds no swings, and fits around a large one end a few percent apart."""
+    thresholds = load_thresholds()
+    two = ("series_compliance", "trigger_latency")
+    leads = {}
+    for third in ("load_cell_dynamics", "air_gap"):
+        base, pair = weighed(NONE, -400.0, without=-400.0), weighed(two, -90.0, without=-400.0)
+        three = weighed((third, *two), -120.0, without=-400.0)
+        pair.log_evidence_open, three.log_evidence_open = -60.0, -20.0
+        pair.gap_left_out, three.gap_left_out = 1.0, 1.1
+        found = probabilities([base, pair, three], thresholds)
+        leads[third] = max(found, key=found.__getitem__)
+    assert leads == {"load_cell_dynamics": ("load_cell_dynamics", *two), "air_gap": two}
+
+
 def test_around_a_gap_that_none_closes_it_counts_how_far_one_narrows_it():
     thresholds = load_thresholds()
     base = weighed(NONE, -900.0, without=-900.0)

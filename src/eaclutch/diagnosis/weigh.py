@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import expit, logsumexp
 
+from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.physics.effects import BASE, CANDIDATES, LOOKALIKES
 from eaclutch.records import FloatArray
@@ -172,7 +173,9 @@ def counted_evidence(
     def plain(result: CandidateResult) -> float:
         if not result.effects:
             return max(r.log_evidence_without for r in results)
-        smaller = [r for r in results if set(r.effects) < set(result.effects)]
+        # the gap holds no swings: what narrows without the oscillator says nothing against it
+        smaller = [r for r in results if set(r.effects) < set(result.effects)
+                   and OSCILLATOR not in set(result.effects) - set(r.effects)]  # fmt: skip
         if any(r.gap_left_out * (slack if r.effects else 1.0) < result.gap_left_out for r in smaller):
             return result.log_evidence
         return float(np.logaddexp(result.log_evidence, result.log_evidence_open - cost))
