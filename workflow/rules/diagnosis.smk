@@ -1,8 +1,6 @@
 # What is missing: the gap, then a job a candidate, then one verdict.
 
 THRESHOLDS = str(PACKAGE / "diagnosis" / "thresholds.yaml")
-# Snakemake gives linear algebra as many threads as the rule has; small matrices take longer in two
-ONE_BLAS_THREAD = "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1"
 DIAGNOSED = {
     "runs": results("runs.csv"),
     "bench": [results("gap.csv"), results("spectra.csv"), results("bursts.csv")],
@@ -24,12 +22,10 @@ rule diagnosis_gap:
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
         code=code("diagnosis.conclude", "diagnosis.files", effects=EFFECTS_ON),
-    threads: 2
     message:
         "diagnosis: is there a gap"
-    shell:  # its threads are the solver's
-        f"{ONE_BLAS_THREAD} NUMBA_NUM_THREADS={{threads}}"
-        " eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q} --results {params.results:q}"
+    shell:
+        "eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q} --results {params.results:q}"
         " --settings {params.settings:q} --seed {params.seed} --output {output:q}"
 
 
@@ -80,8 +76,8 @@ rule diagnosis:
     threads: 2
     message:
         "diagnosis: the verdict"
-    shell:  # its threads are processes
-        f"{ONE_BLAS_THREAD}"
+    shell:  # its threads are processes; linear algebra has one each, for small matrices take longer in two
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1"
         " eaclutch --log {log} diagnosis --campaign {params.campaign:q} --results {params.results:q}"
         " --settings {params.settings:q} --seed {params.seed} --gap {input.gap:q} --jobs {threads}"
         " --output {output:q} {input.candidates:q}"
