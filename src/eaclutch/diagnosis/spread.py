@@ -32,7 +32,7 @@ class Spread:
         if self.jobs < 2 or len(items) < 2:
             return [work(self.study, item) for item in items]
         if self._pool is None:
-            # not forked: no thread of this process lives on in a copy of it, and it may hold what others wait for
+            # not forked: a lock that another thread of this process holds would stay shut in the copy
             self._pool = ProcessPoolExecutor(self.jobs, get_context("spawn"), _hold, (self.study,))
         return list(self._pool.map(_apply, repeat(work), items))
 

@@ -31,7 +31,7 @@ RESULTS = (
     "own_switch_off", "gap_held",
 )  # fmt: skip
 STATUSES = ("capacity", "engagement", "release")
-WORTH_SHARING = 10_000.0  # us of work
+WORTH_SHARING = 20_000.0  # us of work
 
 
 @compiled
