@@ -14,7 +14,6 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-import numba
 import numpy as np
 import solver_plain as plain
 import solver_reference as reference
@@ -22,6 +21,7 @@ from measurement import record
 from solver_draws import draws
 
 from eaclutch.physics.kernels.batch import RESULTS, STATUSES, simulate_share
+from eaclutch.physics.kernels.compiled import threads
 from eaclutch.physics.kernels.ramp import driven_run
 from eaclutch.physics.kernels.statics import driven_gap, rest_before
 from eaclutch.physics.model import TOLERANCE
@@ -97,7 +97,7 @@ def big_batch(draws_count: int = 1000, runs: int = 311) -> dict[str, float]:
     model.predict(conditions, many, wanted)
     return {
         "simulations": float(runs * draws_count), "cpu_s": time.process_time() - cpu,
-        "wall_s": time.perf_counter() - wall, "cores": float(numba.get_num_threads()),
+        "wall_s": time.perf_counter() - wall, "cores": float(threads()),
         "peak_mib": resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024, "before_mib": before / 1024,
     }  # fmt: skip
 

@@ -274,24 +274,6 @@ def test_the_fixture_may_stick_less_than_the_clutch(bench):
     assert (half > plain.capacitance(force, 2e-3)).all()
 
 
-def test_same_numbers_on_any_number_of_cores(model, runs, monkeypatch):
-    from eaclutch.physics.kernels import batch
-
-    rng = np.random.default_rng(5)
-    conditions = runs(voltage=rng.uniform(100, 300, 1500))
-    monkeypatch.setattr(batch, "threads", lambda: 2)  # the parallel kernel, whatever this process may use
-    several = model.predict(conditions).values["release_time_90_s"]
-    monkeypatch.setattr(batch, "threads", lambda: 1)
-    one = model.predict(conditions).values["release_time_90_s"]
-    few = np.concatenate(
-        [
-            model.predict(conditions.select(np.arange(i, i + 100))).values["release_time_90_s"][0]
-            for i in range(0, 1500, 100)
-        ]
-    )
-    assert np.array_equal(several, one, equal_nan=True) and np.array_equal(several[0], few, equal_nan=True)
-
-
 def test_parallel_plates(runs):
     """A plate of the comb's active area, at half the voltage, is the comb with its film sign for sign."""
     substrates = {"brass": Substrate(density=8049.0)}

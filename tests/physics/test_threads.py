@@ -15,7 +15,7 @@ import numpy as np
 from eaclutch.physics.kernels import batch
 
 
-def test_as_many_threads_as_the_process_may_use(model, runs, monkeypatch):
+def test_as_many_threads_as_the_process_may_use_and_the_same_numbers(model, runs, monkeypatch):
     started = []
 
     def pool(workers):
@@ -23,13 +23,20 @@ def test_as_many_threads_as_the_process_may_use(model, runs, monkeypatch):
         return ThreadPoolExecutor(workers)
 
     monkeypatch.setattr(batch, "ThreadPoolExecutor", pool)
-    conditions = runs(voltage=np.linspace(150.0, 300.0, 1500))
-    found = []
-    for threads in (1, 3):
+    conditions = runs(voltage=np.random.default_rng(5).uniform(100, 300, 1500))
+    several = []
+    for threads in (3, 1):
         monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", threads)
-        found.append(model.predict(conditions, None, ["release_time_90_s"]).values["release_time_90_s"])
+        several.append(model.predict(conditions).values["release_time_90_s"])
     assert started == [3]
-    assert np.isfinite(found[0]).any() and np.array_equal(*found, equal_nan=True)
+    few = np.concatenate(
+        [
+            model.predict(conditions.select(np.arange(i, i + 100))).values["release_time_90_s"][0]
+            for i in range(0, 1500, 100)
+        ]
+    )
+    assert np.isfinite(few).any()
+    assert np.array_equal(*several, equal_nan=True) and np.array_equal(several[0][0], few, equal_nan=True)
 
 
 def test_what_the_solver_writes_to_is_held_while_it_runs():
