@@ -87,10 +87,24 @@ def test_a_day_with_slow_releases_is_unknown_and_not_what_delays_them():
     assert "a humid day" in document["verdict"]["why"]
 
 
-def test_none_is_weighed_where_there_is_nothing_to_name():
-    study = Study(inputs(), THRESHOLDS, seed=3)
+def test_water_that_the_field_draws_in_is_unknown_and_not_what_attracts_without_it():
+    given = inputs(("capillary_bridges",), {"capillary_bridges.pull": 0.4})
+    candidates = ("surface_adhesion", "trapped_charge")
+    study = Study(replace(given, candidates=candidates), THRESHOLDS, seed=3)
     results = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
-    assert with_pairs(study, results, 0) == results
+    document = conclude(study, with_pairs(study, results, 0))
+    assert document["verdict"]["effects"] == ["unknown"]
+    assert "water drawn in by the field" in document["verdict"]["why"]
+
+
+def test_none_stands_where_there_is_nothing_to_say():
+    study = Study(replace(inputs(), candidates=("surface_adhesion", "trapped_charge")), THRESHOLDS, seed=3)
+    results = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
+    found = with_pairs(study, results, 0)
+    assert {r.effects for r in found} == {r.effects for r in results} | {(name,) for name in study.lookalikes}
+    weights = probabilities(found, THRESHOLDS)
+    assert max(weights, key=lambda names: weights[names]) == ()
+    assert weights[UNKNOWN] < 0.05
 
 
 def test_one_that_the_model_has_on_does_not_compete(slow_readout):

@@ -39,10 +39,10 @@ class _Fit:
 def with_pairs(
     study: Study, found: Sequence[CandidateResult], limit: int, jobs: int = 1
 ) -> list[CandidateResult]:
-    """``found`` with the most promising pairs and, where there is something to name, with the library's lookalikes,
-    worked out in ``jobs`` processes. The leading singles are fitted once more from where others stand, and each single
-    from where a pair that does better stands: what an effect gains must not be that another fit stopped short. Around a
-    large gap, where fits end far apart, what leads is also fitted afresh."""
+    """``found`` with the most promising pairs and with the library's lookalikes, worked out in ``jobs`` processes. The
+    leading singles are fitted once more from where others stand, and each single from where a pair that does better
+    stands: what an effect gains must not be that another fit stopped short. Around a large gap, where fits end far
+    apart, what leads is also fitted afresh."""
     results = list(found)
     counted = counted_evidence(results, study.thresholds)
     with Spread(study, jobs) as spread:
@@ -58,8 +58,8 @@ def with_pairs(
             if counted(best) > counted(single) + WORTH_AGAIN:
                 further.append(_again(single, best))
         _better(spread, results, further, counted)
-        # a name must also hold against what only looks like it
-        lookalikes = spread(_weigh, [_Fit((name,)) for name in study.lookalikes]) if leaders else []
+        # a name must also hold against what only looks like it, and no effect against what looks like none
+        lookalikes = spread(_weigh, [_Fit((name,)) for name in study.lookalikes])
         _better(spread, lookalikes, _afresh(study, lookalikes), counted)
         thirds = spread(_third, _beside_the_lead(study, results + pairs))
         _better(spread, thirds, _afresh(study, thirds), counted)

@@ -139,6 +139,15 @@ CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
         {"softening": 0.3, "power": 2.0, "width_exponent": 1.0},
         {"softening": [0.3, 0.3, 0.15, 0.3], "softening_power": 2.0},
     ),
+    # 0.5 at 300 V, half of that at 150 V, none without voltage but for the 1 V that it takes for none: 0.5/300
+    "capillary_bridges": (
+        {"pull": 0.5, "drain_time": 5e-3, "voltage_exponent": 1.0},
+        {
+            "force_factor": [1.5, 1.5, 1.25, 1.00166667],
+            "residual_fraction": [0.57735027, 0.57735027, 0.44721360, 0.04079085],
+            "residual_decay_time": 0.01,
+        },
+    ),
     "sluggish_contact": (
         {"lag": 2e-4, "share": 0.6, "load_exponent": 0.3},
         {"contact_lag": 2e-4, "contact_lag_share": 0.6, "contact_lag_power": 0.3},
