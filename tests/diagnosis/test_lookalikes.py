@@ -7,8 +7,10 @@ import pytest
 
 from diagnosis.simulated import inputs
 from eaclutch.diagnosis.conclude import conclude
-from eaclutch.diagnosis.pairs import with_pairs
+from eaclutch.diagnosis.pairs import NEAR, WORTH_A_LOOK, _weigh_lookalikes, with_pairs
+from eaclutch.diagnosis.promises import promises
 from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import UNKNOWN, probabilities, unknown_as
 from eaclutch.physics.effects import BASE, LOOKALIKES
@@ -97,14 +99,34 @@ def test_water_that_the_field_draws_in_is_unknown_and_not_what_attracts_without_
     assert "water drawn in by the field" in document["verdict"]["why"]
 
 
-def test_none_stands_where_there_is_nothing_to_say():
+def test_where_there_is_nothing_to_name_those_are_weighed_that_promise_something(monkeypatch):
     study = Study(replace(inputs(), candidates=("surface_adhesion", "trapped_charge")), THRESHOLDS, seed=3)
     results = [study.weigh(())] + [study.weigh((name,)) for name in study.candidates]
+    assert all(gain < WORTH_A_LOOK for gain in promises(study, study.base, study.lookalikes).values())
+    assert with_pairs(study, results, 0) == results
+    monkeypatch.setattr("eaclutch.diagnosis.pairs.WORTH_A_LOOK", -1e3)
     found = with_pairs(study, results, 0)
     assert {r.effects for r in found} == {r.effects for r in results} | {(name,) for name in study.lookalikes}
     weights = probabilities(found, THRESHOLDS)
     assert max(weights, key=lambda names: weights[names]) == ()
     assert weights[UNKNOWN] < 0.05
+
+
+def test_one_far_behind_what_leads_is_not_fitted_afresh(monkeypatch):
+    evidence = {"wet_film": 100.0 - NEAR + 1.0, "lost_area": 100.0 - NEAR - 1.0}
+    made = []
+
+    def weigh(study, fit):
+        made.append((fit.effects, fit.afresh))
+        return SimpleNamespace(
+            effects=fit.effects, log_evidence=evidence[fit.effects[0]], multipliers=(4.0, 1.0)
+        )
+
+    monkeypatch.setattr("eaclutch.diagnosis.pairs._weigh", weigh)
+    study = SimpleNamespace(lookalikes=tuple(evidence), thresholds=THRESHOLDS)
+    lead = SimpleNamespace(effects=("gap_tilt",), log_evidence=100.0)
+    _weigh_lookalikes(Spread(study), [lead], lambda result: result.log_evidence, all_of_them=True)
+    assert made == [(("wet_film",), None), (("lost_area",), None), (("wet_film",), (4.0, 1.0))]
 
 
 def test_one_that_the_model_has_on_does_not_compete(slow_readout):

@@ -205,6 +205,16 @@ def test_the_best_name_is_no_sure_name_where_its_fit_fails_the_absolute_check():
     assert sum(misfits.values()) == pytest.approx(1.0)
 
 
+def test_nor_where_a_nameless_remainder_gains_much_beside_it():
+    thresholds = load_thresholds()
+    base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
+    found = []
+    for gain in (0.99, 1.01):
+        named.log_evidence_open = gain * thresholds["misfit_remainder"]
+        found.append(probabilities([base, named], thresholds)[("unknown",)])
+    assert found == pytest.approx([0.0, corrected(thresholds["misfit_share"])], abs=1e-9)
+
+
 def test_a_name_that_surely_widens_the_gap_left_out_is_no_sure_name():
     thresholds = load_thresholds()
     base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)

@@ -4,16 +4,15 @@ weighed only where a base effect that the model leaves out stands beside the pai
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations, product
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 
 from eaclutch.diagnosis.hypothesis import HypothesisFit
+from eaclutch.diagnosis.promises import promises
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.spread import Spread
-from eaclutch.diagnosis.starts import scout_shifts
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import counted_evidence, probabilities
 from eaclutch.physics.effects import BASE
@@ -22,6 +21,8 @@ Counted = Callable[[CandidateResult], float]
 
 WORTH_A_PAIR = 4.0  # nats that the best single effect must gain
 WORTH_AGAIN = 3.0  # nats that a pair gains over one of its effects
+WORTH_A_LOOK = 1.0  # nats that a lookalike promises where no effect gains anything
+NEAR = 40.0  # nats behind what leads beyond which a lookalike is not fitted afresh
 LEADERS = 4  # singles that a second effect is tried on top of
 FOREMOST = 3  # of these, some of whose pairs are weighed whatever slopes promise
 
@@ -58,9 +59,7 @@ def with_pairs(
             if counted(best) > counted(single) + WORTH_AGAIN:
                 further.append(_again(single, best))
         _better(spread, results, further, counted)
-        # a name must also hold against what only looks like it, and no effect against what looks like none
-        lookalikes = spread(_weigh, [_Fit((name,)) for name in study.lookalikes])
-        _better(spread, lookalikes, _afresh(study, lookalikes), counted)
+        lookalikes = _weigh_lookalikes(spread, results + pairs, counted, all_of_them=bool(leaders))
         thirds = spread(_third, _beside_the_lead(study, results + pairs))
         _better(spread, thirds, _afresh(study, thirds), counted)
     return results + pairs + lookalikes + thirds
@@ -122,15 +121,15 @@ def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) 
     # without a gap that one effect narrows there is nothing for a second one to do
     if limit <= 0 or len(named) < 2 or counted(named[0]) < plain + WORTH_A_PAIR:
         return []
-    promises: dict[tuple[str, str], tuple[float, HypothesisFit]] = {}
+    promised: dict[tuple[str, str], tuple[float, HypothesisFit]] = {}
     leaders = named[:LEADERS]
     for leader, (fitted, gains) in zip(leaders, spread(_promises, leaders), strict=True):
         for name, gain in gains.items():
             first, second = sorted((leader.effects[0], name))
             promise = leader.log_evidence + gain
-            if promise > promises.get((first, second), (-np.inf, fitted))[0]:
-                promises[first, second] = promise, fitted
-    best = sorted(promises, key=lambda pair: -promises[pair][0])[:limit]
+            if promise > promised.get((first, second), (-np.inf, fitted))[0]:
+                promised[first, second] = promise, fitted
+    best = sorted(promised, key=lambda pair: -promised[pair][0])[:limit]
     foremost = [leader.effects[0] for leader in leaders[:FOREMOST]]
     if _is_wide(spread.study, leaders[0]):
         best += combinations(sorted(foremost), 2)
@@ -139,10 +138,25 @@ def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) 
     best += [min((a, b), (b, a)) for a, b in product(foremost, known) if a != b]
     alone = {r.effects[0]: r for r in named}
     fits = [
-        _Fit(pair, _seeds([alone[name] for name in pair if name in alone]), promises[pair][1])
+        _Fit(pair, _seeds([alone[name] for name in pair if name in alone]), promised[pair][1])
         for pair in dict.fromkeys(best)
     ]
     return spread(_weigh, fits)
+
+
+def _weigh_lookalikes(
+    spread: Spread, results: Sequence[CandidateResult], counted: Counted, *, all_of_them: bool
+) -> list[CandidateResult]:
+    """Those that a name must hold against; where there is nothing to name, those that promise more than no effect."""
+    study, names = spread.study, spread.study.lookalikes
+    if not all_of_them:
+        gains = promises(study, study.base, names)
+        names = tuple(name for name in names if gains[name] > WORTH_A_LOOK)
+    lookalikes = spread(_weigh, [_Fit((name,)) for name in names])
+    lead = max(counted(r) for r in [*results, *lookalikes])
+    near = [r for r in lookalikes if counted(r) > lead - NEAR]
+    _better(spread, lookalikes, _afresh(study, near), counted)
+    return lookalikes
 
 
 def _beside_the_lead(study: Study, results: Sequence[CandidateResult]) -> list[tuple[CandidateResult, ...]]:
@@ -164,30 +178,7 @@ def _third(study: Study, members: tuple[CandidateResult, ...]) -> CandidateResul
 def _promises(study: Study, leader: CandidateResult) -> tuple[HypothesisFit, dict[str, float]]:
     """A leader's fit, and what each further effect promises on top of it."""
     fitted = study.fit(leader.effects, _seeds([leader]))
-    return fitted, _gains(study, fitted)
-
-
-def _gains(study: Study, leader: HypothesisFit) -> dict[str, float]:
-    """Nats that each further effect promises beside a fitted one: what the best of its scouted sizes takes off the
-    misfit when all parameters of the leader follow linearly, less what it costs in prior."""
-    tolerance, session = leader.multipliers
-    # a gap that one effect leaves is for the second one, not for wide tolerances
-    usual = max(study.thresholds["multipliers"]["tolerance"]["values"])
-    covariance = study.kernels.total(
-        tolerance=min(tolerance, usual), session=session,
-        signature=leader.form, signature_tolerance=study.thresholds["signature_tolerance"],
-    )  # fmt: skip
-    linearised = replace(leader.linearised, covariance=covariance)
-    factor, w = cho_factor(linearised.marginal(), lower=True), linearised.w
-    start = float(w @ cho_solve(factor, w))
-    found = {}
-    for name in study.candidates:
-        if name not in leader.effects:
-            shift, cost = scout_shifts(study.forward((*leader.effects, name)), leader)
-            trial = w - shift
-            gain = 0.5 * (start - np.sum(trial.T * cho_solve(factor, trial.T), axis=0)) - cost
-            found[name] = float(np.max(gain))
-    return found
+    return fitted, promises(study, fitted, study.candidates)
 
 
 def _seeds(singles: Sequence[CandidateResult]) -> dict[str, float]:

@@ -32,21 +32,22 @@ def probabilities(
 ) -> dict[tuple[str, ...], float]:
     """Probability of each weighed set of effects; adds up to one.
 
-    ``results`` hold the base model (no effects; its open evidence is that of ``unknown``) and every single and
-    pair that was fitted. A named set may leave a nameless remainder, which costs it ``remainder_cost`` nats: its
-    law is not the library's, but it is still the cause. An effect that the library lacks must do better than
-    that by itself. A set that predicts left-out conditions worse than the base model, or a pair clearly worse than one
-    of its two, may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a
+    ``results`` hold the base model (no effects; its open evidence is that of ``unknown``) and every single and pair
+    that was fitted. A named set may leave a nameless remainder, which costs it ``remainder_cost`` nats: its law is
+    not the library's, but it is still the cause. An effect that the library lacks must do better than that by
+    itself. A set that predicts left-out conditions worse than the base model, or a pair clearly worse than one of
+    its two, may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a
     block is given up. Of the nats by which the best name beats the nameless terms only a part counts
-    (``against_unknown``): these stand for all laws that nobody wrote down, and such a law may look more like a library
-    effect than like them. Lookalikes, each less probable beforehand than an effect of the library
+    (``against_unknown``): these stand for all laws that nobody wrote down, and such a law may look more like a
+    library effect than like them. Lookalikes, each less probable beforehand than an effect of the library
     (``lookalike_share``, ``odds``), are written down, and count in full; what they win is ``unknown``'s. And a name
-    whose fit fails the absolute check gives ``misfit_share`` of its probability to ``unknown``, for evidence only says
-    who is best, and more (``partly``) where it surely leaves much of a large gap on conditions left out (``left``: how
-    many times the base model's). So does one that surely widens that by far (``widening``). The odds of ``unknown``
-    against all that may be named are corrected last (``unknown_odds``); no effect keeps its probability, but for what
-    it gives to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no
-    effect of the library does that.
+    whose fit fails the absolute check, or that leaves what a nameless remainder gains ``misfit_remainder`` nats by,
+    gives ``misfit_share`` of its probability to ``unknown``, for evidence only says who is best, and more
+    (``partly``) where it surely leaves much of a large gap on conditions left out (``left``: how many times the
+    base model's). So does one that surely widens that by far (``widening``). The odds of ``unknown`` against all
+    that may be named are corrected last (``unknown_odds``); no effect keeps its probability, but for what it gives
+    to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no effect
+    of the library does that.
     """
     score, nameless, lookalikes = _scores(results, thresholds)
     best = max((x for effects, x in score.items() if effects), default=-np.inf)
@@ -83,7 +84,8 @@ def _kept(result: CandidateResult, left: float, gap: float, thresholds: Mapping[
     """Share of its probability that a name keeps from ``unknown``, for what it leaves: ``left`` times the base model's
     ``gap``."""
     partly, widening, kept = thresholds["partly"], thresholds["widening"], 1.0
-    if result.adequate_p < thresholds["verdict"]["adequate_p_value"]:
+    needs = result.log_evidence_open - result.log_evidence > thresholds["misfit_remainder"]
+    if needs or result.adequate_p < thresholds["verdict"]["adequate_p_value"]:
         much = gap > partly["gap"] and left > partly["times"]
         kept -= float(partly["share"] if much else thresholds["misfit_share"])
     if left > widening["times"]:

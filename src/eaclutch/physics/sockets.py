@@ -107,3 +107,16 @@ class Sockets:
     def with_(self, **changes: Any) -> Sockets:
         """A copy with some sockets replaced; an unknown name is an error."""
         return replace(self, **changes)
+
+    def with_residual_pull(self, share: FloatArray, decay_time: FloatArray | float) -> Sockets:
+        """A copy in which so large a share [1] of the pull at switch-off outlives it, beside what does already, and
+        fades in ``decay_time`` [s]. There is one residual field: both decay with the mean of the logarithms of their
+        times, weighted by what they pull."""
+        others = np.square(self.residual_fraction)  # a field's square pulls
+        more = share * (1.0 - others)
+        weight = more / np.maximum(others + more, np.finfo(float).tiny)
+        times = np.asarray(self.residual_decay_time), 2.0 * np.asarray(decay_time)
+        return self.with_(
+            residual_fraction=np.sqrt(others + more),
+            residual_decay_time=times[0] ** (1.0 - weight) * times[1] ** weight,
+        )

@@ -139,7 +139,7 @@ CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
         {"softening": 0.3, "power": 2.0, "width_exponent": 1.0},
         {"softening": [0.3, 0.3, 0.15, 0.3], "softening_power": 2.0},
     ),
-    # 0.5 at 300 V, half of that at 150 V, none without voltage but for the 1 V that it takes for none: 0.5/300
+    # 0.5 at 300 V, half of that at 150 V, and 0.5 / 300 at the 1 V that it takes for none
     "capillary_bridges": (
         {"pull": 0.5, "drain_time": 5e-3, "voltage_exponent": 1.0},
         {
@@ -147,6 +147,11 @@ CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
             "residual_fraction": [0.57735027, 0.57735027, 0.44721360, 0.04079085],
             "residual_decay_time": 0.01,
         },
+    ),
+    # 0.6 at 300 V, a quarter of that at 150 V, 0.6 / 300^2 at 1 V
+    "remanence": (
+        {"residual_fraction": 0.6, "decay_time": 0.02, "voltage_exponent": 2.0},
+        {"residual_fraction": [0.6, 0.6, 0.15, 6.66666667e-6], "residual_decay_time": 0.02},
     ),
     "sluggish_contact": (
         {"lag": 2e-4, "share": 0.6, "load_exponent": 0.3},

@@ -17,20 +17,13 @@ REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
-    """force_factor (1 + g), g = pull (V / 300 V)^n. Of that g / (1 + g) stays at switch-off, beside the square of any
-    other residual field, and both decay in one time: the mean of their logarithms, weighted by what they pull."""
+    """force_factor (1 + g), g = pull (V / 300 V)^n, and of that g / (1 + g) is left at switch-off, for drain_time."""
     stronger = (np.maximum(inputs.conditions.voltage, 1.0) / REFERENCE_VOLTAGE) ** np.asarray(
         values["voltage_exponent"]
     )
     pull = values["pull"] * stronger
-    before = np.square(sockets.residual_fraction)
-    share = pull / np.maximum(before + pull, np.finfo(float).tiny)
-    decay_time = 2.0 * np.asarray(values["drain_time"])  # of a field, whose square pulls
-    return sockets.with_(
-        force_factor=sockets.force_factor * (1.0 + pull),
-        residual_fraction=np.sqrt((before + pull) / (1.0 + pull)),
-        residual_decay_time=np.asarray(sockets.residual_decay_time) ** (1.0 - share) * decay_time**share,
-    )
+    driven = sockets.with_(force_factor=sockets.force_factor * (1.0 + pull))
+    return driven.with_residual_pull(pull / (1.0 + pull), values["drain_time"])
 
 
 EFFECT = Effect(
@@ -68,8 +61,8 @@ EFFECT = Effect(
     ),
     reference=(
         "Gomez-Monivas et al., Phys. Rev. Lett. 91 (2003) 056101, doi:10.1103/PhysRevLett.91.056101 (water bridges "
-        "made by a field); Butt & Kappl, Adv. Colloid Interface Sci. 146 (2009) 48, doi:10.1016/j.cis.2008.10.002; law "
-        "derived here"
+        "made by a field); Butt & Kappl, Adv. Colloid Interface Sci. 146 (2009) 48, doi:10.1016/j.cis.2008.10.002; "
+        "law derived here"
     ),
     validity="holds much longer than the water takes to gather; the pull fades with the gap as the electric one does",
     apply=apply,
