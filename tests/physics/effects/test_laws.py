@@ -148,6 +148,11 @@ CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
             "residual_decay_time": 0.01,
         },
     ),
+    # 50.0671535 V beyond 250 V at 300 V, 0.00045398 V at 150 V: 1 - 0.6 x 0.16689051, squared, ..
+    "gap_breakdown": (
+        {"lost": 0.6, "onset": 250.0},
+        {"force_factor": [0.80975811, 0.80975811, 0.99999637, 1.0]},
+    ),
     # 0.6 at 300 V, a quarter of that at 150 V, 0.6 / 300^2 at 1 V
     "remanence": (
         {"residual_fraction": 0.6, "decay_time": 0.02, "voltage_exponent": 2.0},
