@@ -16,6 +16,7 @@ Stage = Literal[
     "readout", "capacitance_bench",
 ]  # fmt: skip
 REFERENCE_WIDTH = 2e-3  # m, the narrowest strip of the published bench
+REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
 SESSIONS = 8  # told apart by an effect that has a value for each; later ones share the last one's
 
 
@@ -66,6 +67,11 @@ class Inputs:
     def relative_width(self) -> FloatArray:
         """Width over that of the narrowest strip of the published bench."""
         return self.conditions.width / REFERENCE_WIDTH
+
+    @property
+    def relative_voltage(self) -> FloatArray:
+        """Drive amplitude over the rig's highest; 1 V stands in for none, which has no power below 0."""
+        return np.maximum(self.conditions.voltage, 1.0) / REFERENCE_VOLTAGE
 
     @property
     def polarity_time(self) -> FloatArray:

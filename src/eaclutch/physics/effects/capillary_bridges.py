@@ -13,14 +13,10 @@ from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
-REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
-
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """force_factor (1 + g), g = pull (V / 300 V)^n, and of that g / (1 + g) is left at switch-off, for drain_time."""
-    stronger = (np.maximum(inputs.conditions.voltage, 1.0) / REFERENCE_VOLTAGE) ** np.asarray(
-        values["voltage_exponent"]
-    )
+    stronger = inputs.relative_voltage ** np.asarray(values["voltage_exponent"])
     pull = values["pull"] * stronger
     driven = sockets.with_(force_factor=sockets.force_factor * (1.0 + pull))
     return driven.with_residual_pull(pull / (1.0 + pull), values["drain_time"])

@@ -18,13 +18,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
+from eaclutch.physics.effect import REFERENCE_VOLTAGE, Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
 REFERENCE_PRELOAD = 0.5  # N
 REFERENCE_WIDTH = 2e-3  # m, the rig's most usual strip
-REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
 STEPS = 8  # of Newton in log P; the equation is convex there and its slope lies between 1 and n
 
 

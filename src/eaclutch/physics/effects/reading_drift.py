@@ -7,11 +7,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
+from eaclutch.physics.effect import REFERENCE_VOLTAGE, Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
-
-REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:

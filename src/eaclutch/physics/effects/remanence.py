@@ -12,15 +12,12 @@ from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
-REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
 LARGEST_RESIDUAL = 0.98
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """Residual field r = a (V / 300 V)^n of the drive's, whose square pulls, with decay_time."""
-    stronger = (np.maximum(inputs.conditions.voltage, 1.0) / REFERENCE_VOLTAGE) ** np.asarray(
-        values["voltage_exponent"]
-    )
+    stronger = inputs.relative_voltage ** np.asarray(values["voltage_exponent"])
     residual = np.minimum(values["residual_fraction"] * stronger, LARGEST_RESIDUAL)
     return sockets.with_residual_pull(residual**2, 0.5 * np.asarray(values["decay_time"]))
 

@@ -18,13 +18,11 @@ from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
 from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
-REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
-
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """Both time constants grow by R C (V / V_0)^p; what that costs at reversals beyond the base's scales the force."""
-    voltage = np.maximum(inputs.conditions.voltage, 1.0) / REFERENCE_VOLTAGE
-    lag = values["resistance"] * inputs.capacitance * voltage ** np.asarray(values["voltage_exponent"])
+    voltage = inputs.relative_voltage ** np.asarray(values["voltage_exponent"])
+    lag = values["resistance"] * inputs.capacitance * voltage
     half = 0.5 / inputs.conditions.frequency
     slower = sockets.rise_time_constant + values["reversal_ratio"] * lag
     kept = laws.kept_mean_square(slower, half) / laws.kept_mean_square(sockets.rise_time_constant, half)

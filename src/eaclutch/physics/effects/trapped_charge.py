@@ -19,7 +19,6 @@ from eaclutch.physics.sockets import Sockets
 from eaclutch.records import FloatArray
 
 LARGEST_RESIDUAL = 0.98
-REFERENCE_VOLTAGE = 300.0  # V, the rig's highest
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
@@ -27,9 +26,7 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
     driven."""
     injection_time = 0.5 / np.asarray(values["corner_frequency"])
     filled = inputs.polarity_time / (inputs.polarity_time + injection_time)
-    stronger = (np.maximum(inputs.conditions.voltage, 1.0) / REFERENCE_VOLTAGE) ** np.asarray(
-        values["voltage_exponent"]
-    )
+    stronger = inputs.relative_voltage ** np.asarray(values["voltage_exponent"])
     residual = np.minimum(values["residual_fraction"] * stronger * filled, LARGEST_RESIDUAL)
     driven = 1.0 - np.asarray(values["screening"]) * residual
     return sockets.with_(
