@@ -13,6 +13,8 @@ import numpy as np
 
 from eaclutch.records import FloatArray
 
+LARGEST_RESIDUAL = 0.98  # of the drive's field, that an effect leaves behind
+
 
 @dataclass(frozen=True)
 class Sockets:

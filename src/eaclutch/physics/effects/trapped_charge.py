@@ -15,10 +15,8 @@ from collections.abc import Mapping
 import numpy as np
 
 from eaclutch.physics.effect import Effect, Inputs, Parameter, Prior
-from eaclutch.physics.sockets import Sockets
+from eaclutch.physics.sockets import LARGEST_RESIDUAL, Sockets
 from eaclutch.records import FloatArray
-
-LARGEST_RESIDUAL = 0.98
 
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
