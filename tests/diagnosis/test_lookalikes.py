@@ -112,21 +112,28 @@ def test_where_there_is_nothing_to_name_those_are_weighed_that_promise_something
     assert weights[UNKNOWN] < 0.05
 
 
-def test_one_far_behind_what_leads_is_not_fitted_afresh(monkeypatch):
+def test_one_near_what_leads_is_fitted_from_there_and_afresh_one_far_behind_is_not(monkeypatch):
     evidence = {"wet_film": 100.0 - NEAR + 1.0, "lost_area": 100.0 - NEAR - 1.0}
     made = []
 
     def weigh(study, fit):
-        made.append((fit.effects, fit.afresh))
+        made.append((*fit.effects, fit.afresh, fit.seeds))
         return SimpleNamespace(
-            effects=fit.effects, log_evidence=evidence[fit.effects[0]], multipliers=(4.0, 1.0)
-        )
+            effects=fit.effects, log_evidence=evidence[fit.effects[0]], multipliers=(4.0, 1.0),
+            calibrated={}, parameters={"size": {"mean": 2.0}},
+        )  # fmt: skip
 
     monkeypatch.setattr("eaclutch.diagnosis.pairs._weigh", weigh)
     study = SimpleNamespace(lookalikes=tuple(evidence), thresholds=THRESHOLDS)
-    lead = SimpleNamespace(effects=("gap_tilt",), log_evidence=100.0)
+    lead = SimpleNamespace(
+        effects=("gap_tilt",), log_evidence=100.0, calibrated={"k": {"mean": 3.0}}, parameters={}
+    )
     _weigh_lookalikes(Spread(study), [lead], lambda result: result.log_evidence, all_of_them=True)
-    assert made == [(("wet_film",), None), (("lost_area",), None), (("wet_film",), (4.0, 1.0))]
+    from_the_lead = {"wet_film.size": 2.0, "k": 3.0}
+    assert made == [
+        ("wet_film", None, None), ("lost_area", None, None),
+        ("wet_film", None, from_the_lead), ("wet_film", (4.0, 1.0), None),
+    ]  # fmt: skip
 
 
 def test_one_that_the_model_has_on_does_not_compete(slow_readout):

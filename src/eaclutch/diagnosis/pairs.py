@@ -23,7 +23,7 @@ WORTH_A_PAIR = 4.0  # nats that the best single effect must gain
 WORTH_AGAIN = 3.0  # nats that a pair gains over one of its effects
 WORTH_A_LOOK = 1.0  # nats that a lookalike promises where no effect gains anything
 NEAR = 40.0  # nats behind what leads beyond which a lookalike is not fitted afresh
-LEADERS = 4  # singles that a second effect is tried on top of
+LEADERS = 4  # singles that a second effect is tried on top of, and lookalikes that are fitted once more
 FOREMOST = 3  # of these, some of whose pairs are weighed whatever slopes promise
 
 
@@ -147,14 +147,17 @@ def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) 
 def _weigh_lookalikes(
     spread: Spread, results: Sequence[CandidateResult], counted: Counted, *, all_of_them: bool
 ) -> list[CandidateResult]:
-    """Those that a name must hold against; where there is nothing to name, those that promise more than no effect."""
+    """Those that a name must hold against; where there is nothing to name, those that promise more than no effect. The
+    foremost are fitted once more from where the best of ``results`` stands, as leading singles are."""
     study, names = spread.study, spread.study.lookalikes
     if not all_of_them:
         gains = promises(study, study.base, names)
         names = tuple(name for name in names if gains[name] > WORTH_A_LOOK)
     lookalikes = spread(_weigh, [_Fit((name,)) for name in names])
     lead = max(counted(r) for r in [*results, *lookalikes])
-    near = [r for r in lookalikes if counted(r) > lead - NEAR]
+    near = sorted((r for r in lookalikes if counted(r) > lead - NEAR), key=counted, reverse=True)
+    best = max(results, key=counted)
+    _better(spread, lookalikes, [_again(r, best) for r in near[:LEADERS]], counted)
     _better(spread, lookalikes, _afresh(study, near), counted)
     return lookalikes
 
