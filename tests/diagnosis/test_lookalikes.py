@@ -123,7 +123,8 @@ def test_one_near_what_leads_is_fitted_from_there_and_afresh_one_far_behind_is_n
             calibrated={}, parameters={"size": {"mean": 2.0}},
         )  # fmt: skip
 
-    monkeypatch.setattr("eaclutch.diagnosis.pairs._weigh", weigh)
+    monkeypatch.setattr("eaclutch.diagnosis.refits.weigh_fit", weigh)
+    monkeypatch.setattr("eaclutch.diagnosis.pairs.weigh_fit", weigh)
     study = SimpleNamespace(lookalikes=tuple(evidence), thresholds=THRESHOLDS)
     lead = SimpleNamespace(
         effects=("gap_tilt",), log_evidence=100.0, calibrated={"k": {"mean": 3.0}}, parameters={}

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import CONDITIONS, inputs
-from eaclutch.diagnosis.pairs import _afresh, _Fit, _leaders, _weigh, weigh_pairs
+from eaclutch.diagnosis.pairs import _leaders, weigh_pairs
+from eaclutch.diagnosis.refits import CLOSE, Fit, afresh, weigh_fit, worth_again
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.starts import scout, scout_shifts
@@ -59,21 +60,37 @@ def test_what_needed_wide_tolerances_is_fitted_afresh_and_nothing_else_is():
     study = SimpleNamespace(thresholds=load_thresholds())
     usual = SimpleNamespace(effects=("gas_slip",), multipliers=(2.0, 1.0))
     wide = SimpleNamespace(effects=("gap_tilt",), multipliers=(4.0, 1.0))
-    (fit,) = _afresh(study, [usual, wide])
+    (fit,) = afresh(study, [usual, wide])
     assert fit.effects == ("gap_tilt",)
     assert fit.afresh == (4.0, 1.0)  # as wide as it was found to need
+
+
+def test_what_stands_far_behind_is_made_again_only_around_a_large_gap():
+    study = SimpleNamespace(thresholds=load_thresholds())
+    stands = {
+        "gas_slip": (0.0, 4.0),
+        "gap_tilt": (100.0 - CLOSE - 1.0, 2.0),
+        "edge_wrap": (100.0 - CLOSE + 1.0, 2.0),
+    }
+    results = [
+        SimpleNamespace(effects=(name,), log_evidence=nats, multipliers=(tolerance, 1.0))
+        for name, (nats, tolerance) in stands.items()
+    ]
+    lead = SimpleNamespace(effects=("slow_drive",), log_evidence=100.0, multipliers=(1.0, 1.0))
+    found = worth_again(study, results, [*results, lead], lambda result: result.log_evidence)
+    assert [r.effects for r in found] == [("gas_slip",), ("edge_wrap",)]
 
 
 def test_fits_are_the_same_in_one_process_and_in_two_and_come_in_order():
     study = Study(inputs(conditions=CONDITIONS[:4], repeats=2), load_thresholds(), seed=3)
     study.weigh(())
     fits = [
-        _Fit(("trigger_latency",)),
-        _Fit(("series_compliance",), afresh=(1.0, 1.0)),
-        _Fit(("stray_capacitance",)),
+        Fit(("trigger_latency",)),
+        Fit(("series_compliance",), afresh=(1.0, 1.0)),
+        Fit(("stray_capacitance",)),
     ]
     with Spread(study) as one, Spread(study, 2) as two:
-        alone, together = one(_weigh, fits), two(_weigh, fits)
+        alone, together = one(weigh_fit, fits), two(weigh_fit, fits)
     assert [made.effects for made in together] == [fit.effects for fit in fits]
     assert [made.document() for made in alone] == [made.document() for made in together]
 

@@ -3,38 +3,36 @@ weighed only where a base effect that the model leaves out stands beside the pai
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from itertools import combinations, product
 
 import numpy as np
 
 from eaclutch.diagnosis.hypothesis import HypothesisFit
 from eaclutch.diagnosis.promises import promises
+from eaclutch.diagnosis.refits import (
+    Counted,
+    Fit,
+    afresh,
+    again,
+    is_wide,
+    keep_better,
+    seeds_of,
+    weigh_fit,
+    worth_again,
+)
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import counted_evidence, probabilities
 from eaclutch.physics.effects import BASE
 
-Counted = Callable[[CandidateResult], float]
-
 WORTH_A_PAIR = 4.0  # nats that the best single effect must gain
 WORTH_AGAIN = 3.0  # nats that a pair gains over one of its effects
 WORTH_A_LOOK = 1.0  # nats that a lookalike promises where no effect gains anything
-NEAR = 40.0  # nats behind what leads beyond which a lookalike is not fitted afresh
+NEAR = 40.0  # nats behind what leads beyond which no lookalike is fitted once more
 LEADERS = 4  # singles that a second effect is tried on top of, and lookalikes that are fitted once more
 FOREMOST = 3  # of these, some of whose pairs are weighed whatever slopes promise
-
-
-@dataclass(frozen=True)
-class _Fit:
-    """One fit to be made: what ``Study.weigh`` is given."""
-
-    effects: tuple[str, ...]
-    seeds: Mapping[str, float] | None = None
-    beyond: HypothesisFit | None = None
-    afresh: tuple[float, float] | None = None
 
 
 def with_pairs(
@@ -48,33 +46,21 @@ def with_pairs(
     counted = counted_evidence(results, study.thresholds)
     with Spread(study, jobs) as spread:
         leaders = _leaders(results, counted)
-        _better(spread, results, _from_others(results, leaders, counted), counted)
-        _better(spread, results, _afresh(study, [results[i] for i in leaders]), counted)
+        keep_better(spread, results, _from_others(study, results, leaders, counted), counted)
+        keep_better(spread, results, afresh(study, [results[i] for i in leaders]), counted)
         pairs = weigh_pairs(spread, results, limit)
-        _better(spread, pairs, _afresh(study, pairs), counted)
+        keep_better(spread, pairs, afresh(study, pairs), counted)
         further = []
-        for single in results:
+        for single in worth_again(study, results, results + pairs, counted):
             above = [pair for pair in pairs if single.effects and set(single.effects) < set(pair.effects)]
             best = max(above, key=counted, default=single)
             if counted(best) > counted(single) + WORTH_AGAIN:
-                further.append(_again(single, best))
-        _better(spread, results, further, counted)
+                further.append(again(single, best))
+        keep_better(spread, results, further, counted)
         lookalikes = _weigh_lookalikes(spread, results + pairs, counted, all_of_them=bool(leaders))
         thirds = spread(_third, _beside_the_lead(study, results + pairs))
-        _better(spread, thirds, _afresh(study, thirds), counted)
+        keep_better(spread, thirds, afresh(study, thirds), counted)
     return results + pairs + lookalikes + thirds
-
-
-def _better(spread: Spread, results: list[CandidateResult], fits: Sequence[_Fit], counted: Counted) -> None:
-    """Makes ``fits`` and puts each into ``results`` where it counts for more than the fit of the same effects there."""
-    place = {result.effects: i for i, result in enumerate(results)}
-    for made in spread(_weigh, fits):
-        i = place[made.effects]
-        results[i] = max(results[i], made, key=counted)
-
-
-def _weigh(study: Study, fit: _Fit) -> CandidateResult:
-    return study.weigh(fit.effects, fit.seeds, fit.beyond, afresh=fit.afresh)
 
 
 def _leaders(results: Sequence[CandidateResult], counted: Counted) -> list[int]:
@@ -84,29 +70,15 @@ def _leaders(results: Sequence[CandidateResult], counted: Counted) -> list[int]:
     return sorted(worth, key=lambda i: -counted(results[i]))[:LEADERS]
 
 
-def _from_others(results: Sequence[CandidateResult], leaders: Sequence[int], counted: Counted) -> list[_Fit]:
+def _from_others(
+    study: Study, results: Sequence[CandidateResult], leaders: Sequence[int], counted: Counted
+) -> list[Fit]:
     """Each leader's fit from the calibrated parameters of the best single beside it."""
     singles = [r for r in results if len(r.effects) == 1]
     if len(singles) < 2:
         return []
-    return [
-        _again(results[i], max((r for r in singles if r is not results[i]), key=counted)) for i in leaders
-    ]
-
-
-def _again(single: CandidateResult, other: CandidateResult) -> _Fit:
-    """The same fit from the calibrated parameters of another."""
-    return _Fit(single.effects, _seeds([single]) | _seeds([other]))
-
-
-def _afresh(study: Study, results: Sequence[CandidateResult]) -> list[_Fit]:
-    """The same fits from scratch, with the wider tolerances that they needed, of those that needed any."""
-    return [_Fit(r.effects, afresh=r.multipliers) for r in results if _is_wide(study, r)]
-
-
-def _is_wide(study: Study, result: CandidateResult) -> bool:
-    """Whether a fit leaves a gap that needs wider tolerances than an evidence may take."""
-    return result.multipliers[0] > max(study.thresholds["multipliers"]["tolerance"]["values"])
+    leading = worth_again(study, [results[i] for i in leaders], singles, counted)
+    return [again(one, max((r for r in singles if r is not one), key=counted)) for one in leading]
 
 
 def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) -> list[CandidateResult]:
@@ -131,17 +103,17 @@ def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) 
                 promised[first, second] = promise, fitted
     best = sorted(promised, key=lambda pair: -promised[pair][0])[:limit]
     foremost = [leader.effects[0] for leader in leaders[:FOREMOST]]
-    if _is_wide(spread.study, leaders[0]):
+    if is_wide(spread.study, leaders[0]):
         best += combinations(sorted(foremost), 2)
     # what the model was told to leave out acts, if it does, beside whatever leads
     known = [name for name in spread.study.candidates if name in BASE]
     best += [min((a, b), (b, a)) for a, b in product(foremost, known) if a != b]
     alone = {r.effects[0]: r for r in named}
     fits = [
-        _Fit(pair, _seeds([alone[name] for name in pair if name in alone]), promised[pair][1])
+        Fit(pair, seeds_of([alone[name] for name in pair if name in alone]), promised[pair][1])
         for pair in dict.fromkeys(best)
     ]
-    return spread(_weigh, fits)
+    return spread(weigh_fit, fits)
 
 
 def _weigh_lookalikes(
@@ -153,12 +125,13 @@ def _weigh_lookalikes(
     if not all_of_them:
         gains = promises(study, study.base, names)
         names = tuple(name for name in names if gains[name] > WORTH_A_LOOK)
-    lookalikes = spread(_weigh, [_Fit((name,)) for name in names])
-    lead = max(counted(r) for r in [*results, *lookalikes])
+    lookalikes = spread(weigh_fit, [Fit((name,)) for name in names])
+    everything = [*results, *lookalikes]
+    lead, best = max(map(counted, everything)), max(results, key=counted)
     near = sorted((r for r in lookalikes if counted(r) > lead - NEAR), key=counted, reverse=True)
-    best = max(results, key=counted)
-    _better(spread, lookalikes, [_again(r, best) for r in near[:LEADERS]], counted)
-    _better(spread, lookalikes, _afresh(study, near), counted)
+    foremost = worth_again(study, near[:LEADERS], everything, counted)
+    keep_better(spread, lookalikes, [again(r, best) for r in foremost], counted)
+    keep_better(spread, lookalikes, afresh(study, near), counted)
     return lookalikes
 
 
@@ -174,21 +147,11 @@ def _beside_the_lead(study: Study, results: Sequence[CandidateResult]) -> list[t
 def _third(study: Study, members: tuple[CandidateResult, ...]) -> CandidateResult:
     """A pair with one more effect, from the fit of the pair."""
     pair, single = members
-    fitted = study.fit(pair.effects, _seeds([pair]))
-    return study.weigh(tuple(sorted((*pair.effects, *single.effects))), _seeds(members), fitted)
+    fitted = study.fit(pair.effects, seeds_of([pair]))
+    return study.weigh(tuple(sorted((*pair.effects, *single.effects))), seeds_of(members), fitted)
 
 
 def _promises(study: Study, leader: CandidateResult) -> tuple[HypothesisFit, dict[str, float]]:
     """A leader's fit, and what each further effect promises on top of it."""
-    fitted = study.fit(leader.effects, _seeds([leader]))
+    fitted = study.fit(leader.effects, seeds_of([leader]))
     return fitted, promises(study, fitted, study.candidates)
-
-
-def _seeds(singles: Sequence[CandidateResult]) -> dict[str, float]:
-    """Where two effects' own fits stand: the stronger one's calibrated parameters, both ones' own."""
-    strongest = max(singles, key=lambda r: r.log_evidence)
-    seeds = {name: float(entry["mean"]) for name, entry in strongest.calibrated.items()}
-    for single in singles:
-        for name, entry in single.parameters.items():
-            seeds[name if "." in name else f"{single.effects[0]}.{name}"] = float(entry["mean"])
-    return seeds
