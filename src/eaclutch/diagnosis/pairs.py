@@ -39,9 +39,9 @@ def with_pairs(
     study: Study, found: Sequence[CandidateResult], limit: int, jobs: int = 1
 ) -> list[CandidateResult]:
     """``found`` with the most promising pairs and with the library's lookalikes, worked out in ``jobs`` processes. The
-    leading singles are fitted once more from where others stand, and each single from where a pair that does better
-    stands: what an effect gains must not be that another fit stopped short. Around a large gap, where fits end far
-    apart, what leads is also fitted afresh."""
+    leading singles are fitted once more from where others stand, and singles from where a pair that does better stands
+    (``worth_again`` says which): what an effect gains must not be that another fit stopped short. Around a large gap,
+    where fits end far apart, what leads is also fitted afresh."""
     results = list(found)
     counted = counted_evidence(results, study.thresholds)
     with Spread(study, jobs) as spread:
