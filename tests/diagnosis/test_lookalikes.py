@@ -9,6 +9,7 @@ from diagnosis.simulated import inputs
 from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.pairs import NEAR, WORTH_A_LOOK, _weigh_lookalikes, with_pairs
 from eaclutch.diagnosis.promises import promises
+from eaclutch.diagnosis.refits import CLOSE
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.study import Study
@@ -112,29 +113,46 @@ def test_where_there_is_nothing_to_name_those_are_weighed_that_promise_something
     assert weights[UNKNOWN] < 0.05
 
 
-def test_one_near_what_leads_is_fitted_from_there_and_afresh_one_far_behind_is_not(monkeypatch):
-    evidence = {"wet_film": 100.0 - NEAR + 1.0, "lost_area": 100.0 - NEAR - 1.0}
+def fits_made(monkeypatch, evidence, tolerance, lead):
+    """(name, afresh, seeds) of every fit that weighs lookalikes of such evidence and width beside a lead."""
     made = []
 
     def weigh(study, fit):
         made.append((*fit.effects, fit.afresh, fit.seeds))
         return SimpleNamespace(
-            effects=fit.effects, log_evidence=evidence[fit.effects[0]], multipliers=(4.0, 1.0),
+            effects=fit.effects, log_evidence=evidence[fit.effects[0]], multipliers=(tolerance, 1.0),
             calibrated={}, parameters={"size": {"mean": 2.0}},
         )  # fmt: skip
 
     monkeypatch.setattr("eaclutch.diagnosis.refits.weigh_fit", weigh)
     monkeypatch.setattr("eaclutch.diagnosis.pairs.weigh_fit", weigh)
     study = SimpleNamespace(lookalikes=tuple(evidence), thresholds=THRESHOLDS)
-    lead = SimpleNamespace(
-        effects=("gap_tilt",), log_evidence=100.0, calibrated={"k": {"mean": 3.0}}, parameters={}
+    leading = SimpleNamespace(
+        effects=lead, log_evidence=100.0, calibrated={"k": {"mean": 3.0}}, parameters={}
     )
-    _weigh_lookalikes(Spread(study), [lead], lambda result: result.log_evidence, all_of_them=True)
-    from_the_lead = {"wet_film.size": 2.0, "k": 3.0}
-    assert made == [
+    _weigh_lookalikes(Spread(study), [leading], lambda result: result.log_evidence, all_of_them=True)
+    return made
+
+
+FROM_THE_LEAD = {"wet_film.size": 2.0, "k": 3.0}
+
+
+def test_one_near_what_leads_is_fitted_from_there_and_afresh_one_far_behind_is_not(monkeypatch):
+    evidence = {"wet_film": 100.0 - NEAR + 1.0, "lost_area": 100.0 - NEAR - 1.0}
+    assert fits_made(monkeypatch, evidence, 4.0, ("gap_tilt",)) == [
         ("wet_film", None, None), ("lost_area", None, None),
-        ("wet_film", None, from_the_lead), ("wet_film", (4.0, 1.0), None),
+        ("wet_film", None, FROM_THE_LEAD), ("wet_film", (4.0, 1.0), None),
     ]  # fmt: skip
+
+
+def test_at_the_usual_tolerances_only_one_close_to_what_leads_is(monkeypatch):
+    evidence = {"wet_film": 100.0 - CLOSE + 1.0, "lost_area": 100.0 - CLOSE - 1.0}
+    plainly = [("wet_film", None, None), ("lost_area", None, None)]
+    assert fits_made(monkeypatch, evidence, 2.0, ("gap_tilt",)) == [
+        *plainly, ("wet_film", None, FROM_THE_LEAD),
+    ]  # fmt: skip
+    # where the base model leads each has been fitted from there
+    assert fits_made(monkeypatch, evidence, 2.0, ()) == plainly
 
 
 def test_one_that_the_model_has_on_does_not_compete(slow_readout):

@@ -130,7 +130,8 @@ def _weigh_lookalikes(
     lead, best = max(map(counted, everything)), max(results, key=counted)
     near = sorted((r for r in lookalikes if counted(r) > lead - NEAR), key=counted, reverse=True)
     foremost = worth_again(study, near[:LEADERS], everything, counted)
-    keep_better(spread, lookalikes, [again(r, best) for r in foremost], counted)
+    # from the base model's fit they have been fitted already
+    keep_better(spread, lookalikes, [again(r, best) for r in foremost if best.effects], counted)
     keep_better(spread, lookalikes, afresh(study, near), counted)
     return lookalikes
 
