@@ -1,7 +1,12 @@
-"""A fit is made around a gap of some size, and once more where the gap turns out to be of another."""
+"""A fit is made around a gap of some size, and once more where the gap turns out to be of another; from several starts
+at a time."""
 
 from __future__ import annotations
 
+import threading
+
+import numba
+import numpy as np
 import pytest
 
 from diagnosis.simulated import inputs
@@ -47,3 +52,22 @@ def test_where_laws_hold_better_it_goes_on_from_where_it_stands(study, monkeypat
     )
     assert sought[1:] == [smaller]
     assert found.log_evidence == pytest.approx(everywhere.log_evidence, abs=0.2)
+
+
+def test_fits_from_several_starts_in_several_threads_and_ends_in_the_same_place(study, monkeypatch):
+    find_mode = fit.find_mode
+    several = []
+    for threads in (3, 1):
+        at_work: set[int] = set()
+
+        def counted(*given, at_work=at_work):
+            at_work.add(threading.get_ident())
+            return find_mode(*given)
+
+        monkeypatch.setattr(fit, "find_mode", counted)
+        monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", threads)
+        found = fit.fit_hypothesis(study.forward(()), study.data, study.kernels, study.thresholds)
+        assert (len(at_work) > 1) == (threads > 1)
+        several.append(found)
+    assert np.array_equal(several[0].mode.u, several[1].mode.u)
+    assert several[0].log_evidence == several[1].log_evidence

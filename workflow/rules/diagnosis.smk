@@ -22,11 +22,13 @@ rule diagnosis_gap:
         settings=settings("model", "priors", "diagnosis"),
         seed=seed("diagnosis"),
         code=code("diagnosis.conclude", "diagnosis.files", effects=EFFECTS_ON),
+    threads: 2
     message:
         "diagnosis: is there a gap"
-    shell:
-        "eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q} --results {params.results:q}"
-        " --settings {params.settings:q} --seed {params.seed} --output {output:q}"
+    shell:  # fits from several starts are its threads; linear algebra has one, as in the verdict
+        "OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1 NUMBA_NUM_THREADS={threads}"
+        " eaclutch --log {log} diagnosis-gap --campaign {params.campaign:q}"
+        " --results {params.results:q} --settings {params.settings:q} --seed {params.seed} --output {output:q}"
 
 
 rule diagnosis_candidate:

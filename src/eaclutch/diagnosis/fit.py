@@ -8,6 +8,7 @@ by one assumed size.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,7 @@ from eaclutch.diagnosis.hypothesis import HypothesisFit, form_signature, own_sig
 from eaclutch.diagnosis.mode import Mode, find_mode, mode_at
 from eaclutch.diagnosis.starts import other_zeros, starts
 from eaclutch.physics.effects import EFFECTS
+from eaclutch.physics.kernels.compiled import threads
 from eaclutch.records import FloatArray
 
 HOPS = 3  # times that a fit without effects tries other zeros of the load cell
@@ -68,8 +70,12 @@ def fit_hypothesis(
             size: tuple[float, float] = size,
             covariance_at: Callable[[FloatArray], FloatArray] = covariance_at,
         ) -> HypothesisFit:
-            for start in begin:
-                mode = find_mode(forward, data.values, covariance_at, start)
+            # most of it is simulation in compiled code, in which other threads go on
+            with ThreadPoolExecutor(threads()) as pool:
+                modes = list(
+                    pool.map(lambda start: find_mode(forward, data.values, covariance_at, start), begin)
+                )
+            for mode in modes:
                 best = _finish(forward, data, kernels, thresholds, mode, size, best) or best
             assert best is not None
             return best
