@@ -3,8 +3,9 @@
     python benchmarks/constants_known.py --seed 20302 --work constants --each 6
 
 Simulated campaigns of the open namespace of ``eaclutch.blind`` with one effect each, at 2-4 times
-config/blind_limits.json; the effect is told, so that this counts intervals and not names. Each case is kept as soon as
-it is done. ``--record`` writes docs/measurements/constants_known.json.
+config/blind_limits.json; the effect is told, so that this counts intervals and not names. In one of ten the contact law
+is another one in part: all are counted, and once more those where it holds. Each case is kept as soon as it is done.
+``--record`` writes docs/measurements/constants_known.json.
 """
 
 from __future__ import annotations
@@ -32,7 +33,9 @@ def main() -> None:
     chosen, entries = asked_singles(__doc__.splitlines()[0])
     for_each(fit_case, entries, chosen.work, chosen.jobs)
     cases = [read_json(chosen.work / "fitted" / f"{entry.case}.json") for entry in entries]
+    holds = [case for case, entry in zip(cases, entries, strict=True) if entry.misfit == 0.0]
     result = {"cases": len(cases)} | {name: known(cases, name) for name in CONSTANTS}
+    result["contact_law_holds"] = {"cases": len(holds)} | {name: known(holds, name) for name in CONSTANTS}
     print(result)
     if chosen.record:
         command = (
