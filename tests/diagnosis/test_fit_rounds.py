@@ -55,19 +55,25 @@ def test_where_laws_hold_better_it_goes_on_from_where_it_stands(study, monkeypat
 
 
 def test_fits_from_several_starts_in_several_threads_and_ends_in_the_same_place(study, monkeypatch):
-    find_mode = fit.find_mode
+    find_mode, lock = fit.find_mode, threading.Lock()
+    at_work: list[int] = []
+    together: list[int] = []
+
+    def counted(*given):
+        with lock:
+            at_work.append(1)
+            together.append(len(at_work))
+        found = find_mode(*given)
+        with lock:
+            at_work.pop()
+        return found
+
+    monkeypatch.setattr(fit, "find_mode", counted)
     several = []
     for threads in (3, 1):
-        at_work: set[int] = set()
-
-        def counted(*given, at_work=at_work):
-            at_work.add(threading.get_ident())
-            return find_mode(*given)
-
-        monkeypatch.setattr(fit, "find_mode", counted)
+        together.clear()
         monkeypatch.setattr(numba.config, "NUMBA_NUM_THREADS", threads)
-        found = fit.fit_hypothesis(study.forward(()), study.data, study.kernels, study.thresholds)
-        assert (len(at_work) > 1) == (threads > 1)
-        several.append(found)
+        several.append(fit.fit_hypothesis(study.forward(()), study.data, study.kernels, study.thresholds))
+        assert max(together) == threads
     assert np.array_equal(several[0].mode.u, several[1].mode.u)
     assert several[0].log_evidence == several[1].log_evidence
