@@ -56,7 +56,7 @@ STAGES = ("dielectric", "load_cell", "contact", "force")
 CHAINS = SamplerSettings(
     ensembles=2, walkers=24, check_every=250, max_steps=250, stored_draws=250, warm_up=200
 )
-TRUTH = {"gas_slip.thickness": 1e-6}
+TRUTH = {"gas_slip.mean_free_path": 1e-6}
 EFFECTS = (*BASE, "gas_slip")
 PAIRS = 6
 

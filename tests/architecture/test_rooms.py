@@ -19,7 +19,7 @@ ROOMS = {
     "inference": {"physics"},
     "diagnosis": {"inference", "simulation", "physics", "rig.table", "rig.zero"},
     "blind": {"rig.logs", "rig.log_names", "config"},
-    "reporting": {"provenance"},
+    "reporting": {"provenance", "diagnosis.settings"},
     "studies": {"physics", "inference"},
 }
 ONLY_HERE = {

@@ -8,6 +8,7 @@ from scipy import sparse
 
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.closure import _interval, _share, gap_numbers, surely_left, widened
+from eaclutch.diagnosis.settings import load_thresholds
 
 CONDITIONS, REPEATS = 20, 3
 N = CONDITIONS * REPEATS
@@ -102,7 +103,7 @@ def test_a_caveat_names_what_is_predicted_worse_with_a_name_than_without():
         names, np.tile([f"c{i}" for i in range(CONDITIONS)], 2).astype(object), np.ones(count),
         sparse.identity(count, format="csr"), np.ones(count), np.zeros(count, dtype=bool), np.ones(count),
     )  # fmt: skip
-    study = SimpleNamespace(cells=cells, generator=np.random.default_rng)
+    study = SimpleNamespace(cells=cells, generator=np.random.default_rng, thresholds=load_thresholds())
 
     def result(effects, release, capacity):
         errors = np.repeat([release, capacity], CONDITIONS).astype(float)

@@ -8,7 +8,7 @@ import pytest
 from eaclutch.diagnosis import drift
 from eaclutch.diagnosis.drift import repeat_drift
 
-THRESHOLDS = {"repeat_drift": 2.0, "session_sd": {"capacity": 0.03}}
+THRESHOLDS = {"repeat_drift": 2.0, "session_sd": {"capacity": 0.03}, "caveats": {"order_p_value": 0.01}}
 RUNS = 60
 
 

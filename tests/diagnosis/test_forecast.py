@@ -46,6 +46,16 @@ def test_no_log_is_opened_to_plan():
     assert {run.voltage for run in plan.runs} == {250.0, 300.0}
 
 
+def test_a_forecast_has_data_of_the_model_that_it_fits():
+    """The clamped rule makes 0.76 of the published one's force (physics.md, item 3)."""
+    strong, weak = (
+        planned_study(campaign(), {"model": {"roughness_rule": rule}}, load_thresholds(), seed=5).data
+        for rule in ("published", "clamped")
+    )
+    capacities = [np.median(data.values[data.channel == "shear_capacity_n"]) for data in (strong, weak)]
+    assert capacities[0] - capacities[1] > 0.2  # logarithms
+
+
 def test_rows_are_distributions_over_all_verdicts(document):
     for row in document["matrix"].values():
         assert set(row) == {"series_compliance", "trigger_latency", "unknown", "none"}

@@ -2,7 +2,6 @@
 
 import json
 from dataclasses import replace
-from datetime import date
 from types import SimpleNamespace
 
 import jsonschema
@@ -26,9 +25,6 @@ from eaclutch.diagnosis.weigh import probabilities
 from eaclutch.files import Document
 from eaclutch.physics.effects import BASE
 from eaclutch.records import CapacitanceReadings, InputError
-from eaclutch.simulation.noise import BenchNoise
-from eaclutch.simulation.observables import simulate_table
-from eaclutch.simulation.plan import Plan, sweep
 
 
 def diagnose(given):
@@ -290,16 +286,6 @@ def test_a_fit_that_stopped_short_is_said():
     ]
     assert stopped(results, ()) == []
     assert stopped(results, ("gas_slip",)) == ["the fit with gas slip stopped before it had converged"]
-
-
-def test_a_forecast_has_data_of_the_model_that_it_fits():
-    """The clamped rule makes 0.76 of the published one's force (physics.md, item 3)."""
-    plan = Plan(sweep(CONDITIONS[:2], [date(2025, 3, 1)], 1, np.random.default_rng(1)))
-    strong, weak = (
-        simulate_table(plan, BENCH, BASE, {}, BenchNoise(), np.random.default_rng(2), roughness_rule=rule)
-        for rule in ("published", "clamped")
-    )
-    assert np.all(weak.truth["shear_capacity_n"] < 0.9 * strong.truth["shear_capacity_n"])
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ def settings(form="linear") -> str:
     chosen = {"posterior": QUICK, "model": {"force_multiplier_form": form}}
     config = load_config([], chosen)
     parts = {key: config[key] for key in ("posterior", "model", "priors")}
-    return json.dumps(parts | {"predict.draws": 20, "diagnosis.folds": 2})
+    return json.dumps(parts | {"predict.draws": 20, "predict.folds": 2})
 
 
 def made_runs() -> pd.DataFrame:

@@ -8,7 +8,7 @@ import pytest
 
 from eaclutch.physics.effects import BASE
 from eaclutch.physics.model import ClutchModel
-from eaclutch.records import Bench
+from eaclutch.records import Bench, InputError
 from eaclutch.rig.table import conditions_from_runs
 from eaclutch.simulation.campaign import conditions_of
 from eaclutch.simulation.noise import QUIET, BenchNoise
@@ -76,6 +76,13 @@ def test_the_table_is_what_a_diagnosis_reads(plan: Plan, bench: Bench):
 def test_the_same_seed_gives_the_same_table(plan: Plan, bench: Bench):
     a, b = (simulate_table(plan, bench, BASE, {}, BenchNoise(), np.random.default_rng(5)).runs for _ in "ab")
     assert a.equals(b)
+
+
+def test_a_parameter_that_the_model_lacks_is_refused(plan: Plan, bench: Bench):
+    with pytest.raises(InputError, match=r"parameters\.gas_slip\.thickness"):
+        simulate_table(
+            plan, bench, (*BASE, "gas_slip"), {"gas_slip.thickness": 1e-6}, QUIET, np.random.default_rng(6)
+        )
 
 
 def test_an_effect_moves_what_it_should(alike: Plan, bench: Bench):

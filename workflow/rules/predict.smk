@@ -20,7 +20,7 @@ rule predict:
         campaign=CAMPAIGN,
         results=RESULTS,
         bench=bench(),
-        settings=settings("model", "priors", "predict.draws", "diagnosis.folds"),
+        settings=settings("model", "priors", "predict.draws", "predict.folds"),
         seed=seed("predict"),
         jobs=lambda wildcards: prediction_jobs(),
         code=code("inference.predict_campaign", effects=EFFECTS_ON),

@@ -184,7 +184,7 @@ def predict(
         multiplier_form=form, model=arguments, earlier=files,
     )  # fmt: skip
     draws = chosen.get("predict.draws", 200)
-    parts = chosen.get("diagnosis.folds", 5)
+    parts = chosen.get("predict.folds", 5)
     measured = measured_runs(runs, bench)
     write_csv(
         output,

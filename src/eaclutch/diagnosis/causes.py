@@ -73,11 +73,11 @@ def indistinguishable(
     weights: Mapping[tuple[str, ...], float],
     thresholds: Mapping[str, Any],
 ) -> list[str]:
-    """Other names whose own probability is within the stated factor of this one's, where both matter."""
-    mine = weights.get((name,), 0.0)
-    if name not in single or mine < 0.01:
+    """Other names whose own probability is within the stated factor of this one's, where this one matters."""
+    mine, rules = weights.get((name,), 0.0), thresholds["verdict"]
+    if name not in single or mine < rules["indistinguishable_from"]:
         return []
-    factor = thresholds["verdict"]["indistinguishable_factor"]
+    factor = rules["indistinguishable_factor"]
     return sorted(
         other
         for other in single

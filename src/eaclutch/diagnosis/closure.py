@@ -13,8 +13,6 @@ from eaclutch.diagnosis.study import Study
 from eaclutch.records import FloatArray
 
 BOOTSTRAPS = 1000
-# Times a gap left out that is said to be wider; less is within what the laws may be off by.
-WIDER = 1.5
 
 
 def gap_numbers(cells: Cells, base: CandidateResult, after: CandidateResult, simulated: FloatArray,
@@ -83,7 +81,7 @@ def widened(study: Study, results: Sequence[CandidateResult], best: tuple[str, .
     said = []
     for name in dict.fromkeys(study.cells.observable):
         rows = np.flatnonzero(study.cells.observable == name)
-        if _surely(draws, base, after, rows) > WIDER:
+        if _surely(draws, base, after, rows) > study.thresholds["caveats"]["wider"]:
             gaps = f"{base[rows].mean():.2g} to {after[rows].mean():.2g}"
             said.append(f"{name} (mean square over its repeats' variance {gaps})")
     return [f"predicted worse than without, conditions left out: {', '.join(said)}"] if said else []

@@ -25,7 +25,6 @@ from eaclutch.diagnosis.weigh import NONE, UNKNOWN, probabilities
 from eaclutch.diagnosis.withheld import withheld
 
 SESSION_DRIFT = "session_drift"
-APART = 0.1  # of the shear capacity, between sessions, from which a wide spread between them may hold a drift
 CAMPAIGNS = 400  # simulated, for every p-value and the noise floor, unless the config says otherwise
 
 
@@ -151,7 +150,8 @@ def far_apart(study: Study, results: Sequence[CandidateResult], best: tuple[str,
     needed = next(r.multipliers[1] for r in results if r.effects == (NONE if best == UNKNOWN else best))
     shares = sessions_apart(study.data, study.base.mode.predicted)
     # where the capacities do not differ, what lies apart is something else than the force
-    if SESSION_DRIFT in best or needed < widest or np.ptp(list(shares.values()) or [0.0]) < APART:
+    least = study.thresholds["caveats"]["sessions_apart"]
+    if SESSION_DRIFT in best or needed < widest or np.ptp(list(shares.values()) or [0.0]) < least:
         return []
     apart = ", ".join(f"{name} {share:+.0%}" for name, share in shares.items())
     return [

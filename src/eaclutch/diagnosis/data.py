@@ -6,7 +6,6 @@ An *entry* is one mean: of a channel over the repeats of a condition in a sessio
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -14,7 +13,6 @@ from scipy import sparse
 
 from eaclutch.diagnosis.bench_channels import BenchEntries
 from eaclutch.diagnosis.channels import Channel
-from eaclutch.diagnosis.repeatability import RepeatVariance
 from eaclutch.records import FloatArray, RunConditions
 
 
@@ -48,7 +46,6 @@ class DataVector:
     features: FloatArray
     average: sparse.csr_matrix
     bench: BenchEntries
-    repeats: Mapping[str, RepeatVariance]
     preload: FloatArray  # (runs,) [N]
     zero_unknown: np.ndarray  # (runs,) whether the load cell's zero is still in the run's forces
     groups: np.ndarray  # (runs,) label of each run's (condition, session)

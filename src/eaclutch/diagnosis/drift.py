@@ -22,7 +22,6 @@ FEWEST = 8  # degrees of freedom of the repeats' scatter, from which an order is
 ORDERS, BATCHES = 10_000, 100
 PLACES = 2_000_000  # of all orders drawn at a time: what fits into memory however many runs there are
 ENOUGH = 10
-CLEAR = 0.01  # p-value up to which an order is spoken of
 SMALL = 1e-300  # a sum of squares that is none
 
 
@@ -99,7 +98,7 @@ def repeat_drift(
         return None
     chances = [r.chance(rng) for r in large]
     p_value = len(tested) * min(chances)
-    if p_value > CLEAR:
+    if p_value > thresholds["caveats"]["order_p_value"]:
         return None
     repeats = large[int(np.argmin(chances))]
     evidence = float(-np.log(-np.e * p_value * np.log(p_value)))

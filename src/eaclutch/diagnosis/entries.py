@@ -13,7 +13,6 @@ from eaclutch.diagnosis.bench_channels import BenchEntries
 from eaclutch.diagnosis.channels import Channel
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.repeatability import (
-    RepeatVariance,
     instead,
     pooled_variance,
     preload_bins,
@@ -64,7 +63,7 @@ def build(
     bins = preload_bins(conditions.condition, preload)
     contradicted = wrongly_reckoned(table, conditions.condition, channels, explained)
     slipping = slips_at_switch_off(table, quarter_swing)
-    entries, values, repeats = [], [], {}
+    entries, values = [], []
     kept: list[Any] = []
     for i, channel in enumerate(channels):
         scaled, sd = scaled_column(table, channel)
@@ -91,12 +90,9 @@ def build(
         variance = variance * session_share(spread, repeat, conditions, groups, bins)
         entries += _entries(scaled, variance, groups, len(kept))
         kept.append(channel)
-        repeats[channel.name] = repeat
         values.append(scaled)
     run_values = np.array(values).reshape(len(kept), len(conditions))
-    return _assemble(
-        conditions, tuple(kept), entries, bench, repeats, groups, run_values, thresholds, table, preload
-    )
+    return _assemble(conditions, tuple(kept), entries, bench, groups, run_values, thresholds, table, preload)
 
 
 def _entries(scaled: FloatArray, variance: FloatArray, groups: IntArray, channel: int) -> list[tuple]:
@@ -117,7 +113,6 @@ def _assemble(
     channels: tuple[Channel, ...],
     entries: list[tuple],
     bench: BenchEntries,
-    repeats: dict[str, RepeatVariance],
     groups: IntArray,
     run_values: FloatArray,
     thresholds: Mapping[str, Any],
@@ -162,7 +157,6 @@ def _assemble(
         np.concatenate([_widen(features, wide), _widen(bench.features, wide)]),
         average.tocsr(),
         bench,
-        repeats,
         preload,
         zero_unknown(table),
         groups,

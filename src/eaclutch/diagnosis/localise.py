@@ -21,15 +21,11 @@ from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.gate import max_statistic
 from eaclutch.diagnosis.gaussian import Linearised, posterior_mean
 from eaclutch.diagnosis.placing import Entries
+from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.splits import Split, settings_of, splits_of
 from eaclutch.records import FloatArray
 
 SHOWN = 12  # rows of the table
-MOST = 0.7  # share of an observable's gap that its place must hold
-NEARLY = 0.8  # of what the best split of a signature says, from which its overall mean says enough
-MORE = 1.4  # how much more concentrated than an even spread a place must be, to be named instead of "all"
-MOSTLY_ALL = 0.85  # a level that holds this share of the cells is no place of its own
-LEAST = 0.05  # share of the gap from which a place that the named effect explains is shown
 
 
 @dataclass(frozen=True)
@@ -71,8 +67,6 @@ def localise(
     simulated: FloatArray,
     rng: np.random.Generator,
     explained: Explained | None = None,
-    *,
-    level: float = 0.05,
 ) -> Where:
     """Find the places.
 
@@ -80,7 +74,7 @@ def localise(
     (campaigns, entries): the same of campaigns simulated from it. explained: what of these errors the verdict
     accounts for, if there is a gap. Returns rows sorted by share.
     """
-    entries, settings = Entries.of(data), settings_of(data)
+    entries, settings, rules = Entries.of(data), settings_of(data), load_thresholds()["place"]
     bench = len(entries.index) - entries.runs
     names = list(dict.fromkeys([*(channel.name for channel in data.channels), *entries.observable]))
     ratio, null = (entries.excess(data, cells, e) for e in (errors, simulated))
@@ -103,14 +97,14 @@ def localise(
     }
     excess, least = ratio - null.mean(axis=0), 0.0
     if explained is not None:
-        level, least = 1.0, LEAST
+        least = rules["least_share"]
         excess, explained = entries.excess(data, cells, explained.shift), explained.at(entries.index)
     rows = []
     for name in names:
         found = (
-            _place(name, tests, masks, excess, p_values, level)
+            _place(name, tests, masks, excess, p_values, rules)
             if explained is None
-            else _where_it_acts(name, tests, masks, excess, explained)
+            else _where_it_acts(name, tests, masks, excess, explained, rules)
         )
         if found is not None:
             test, index = found
@@ -126,10 +120,10 @@ def _place(
     masks: FloatArray,
     excess: FloatArray,
     p_values: FloatArray,
-    level: float,
+    rules: Mapping[str, float],
 ) -> tuple[Split, int] | None:
     """The narrowest place that holds nearly all of an observable's excess, or None without a significant one."""
-    mine = [i for i, (observable, _) in enumerate(tests) if observable == name]
+    mine, level = [i for i, (observable, _) in enumerate(tests) if observable == name], rules["level"]
     if not mine or min(p_values[i] for i in mine) > level:
         return None
     every = next(i for i in mine if tests[i][1].factor == "all")
@@ -138,9 +132,9 @@ def _place(
     for i in mine:
         share, part = float(masks[i] @ excess) / max(total, 1e-12), float(masks[i].sum()) / cells
         # concentration against what an even spread would put there; a place must hold most of the gap
-        if p_values[i] <= level and share >= MOST and part <= MOSTLY_ALL:
+        if p_values[i] <= level and share >= rules["holds"] and part <= rules["nearly_all"]:
             score = share**2 / max(part, 0.05)
-            if score > (MORE if best == every else 1.05) * best_score:
+            if score > (rules["concentration"] if best == every else 1.05) * best_score:
                 best, best_score = i, score
     if p_values[best] > level:
         best = min(mine, key=lambda i: p_values[i])
@@ -148,7 +142,12 @@ def _place(
 
 
 def _where_it_acts(
-    name: str, tests: Sequence[tuple[str, Split]], masks: FloatArray, excess: FloatArray, explained: Explained
+    name: str,
+    tests: Sequence[tuple[str, Split]],
+    masks: FloatArray,
+    excess: FloatArray,
+    explained: Explained,
+    rules: Mapping[str, float],
 ) -> tuple[Split, int] | None:
     """Where what is known to act on an observable does, or None where it does nothing there.
 
@@ -169,9 +168,9 @@ def _where_it_acts(
         if 0.0 < part < size:
             said[i] = inside**2 / part + (total - inside) ** 2 / (size - part)
     most = max(said.values())
-    if said[every] >= NEARLY * most:
+    if said[every] >= rules["mean_says"] * most:
         return tests[every][1], every
     sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
-    sides = [i for i in sides if masks[i].sum() <= MOSTLY_ALL * size] or sides
+    sides = [i for i in sides if masks[i].sum() <= rules["nearly_all"] * size] or sides
     best = max(sides, key=lambda i: float(masks[i] @ excess))
     return tests[best][1], best

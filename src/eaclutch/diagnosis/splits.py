@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from eaclutch.diagnosis.data import DataVector
+from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.records import FloatArray
 
-CONFOUNDED = 0.8  # share of a split's variance that another factor explains, from which it is named
 FEW_LEVELS = 6  # of a factor that is taken level by level; a level a run would explain anything
 
 
@@ -98,7 +98,8 @@ def confounded(split: Split, settings: Mapping[str, FloatArray]) -> list[str]:
         factor
         for factor, values in settings.items()
         if factor != split.factor
-        and _told_by(split.member, values, few.get(factor, FEW_LEVELS)) >= CONFOUNDED
+        and _told_by(split.member, values, few.get(factor, FEW_LEVELS))
+        >= load_thresholds()["place"]["confounded"]
     )
 
 

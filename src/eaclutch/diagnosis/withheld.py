@@ -12,8 +12,6 @@ from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.study import Study
 from eaclutch.physics.effects import BASE
 
-SURELY = 2.0  # sd below its full strength, from which the data bear less of a law than it says
-
 
 def taken_over(shift: np.ndarray, fit: Linearised, noise: np.ndarray) -> float:
     """Share (0 to 1) of what an effect does, ``shift`` (entries,) in mean squares of the repeats' ``noise`` (entries,
@@ -57,6 +55,6 @@ def withheld(study: Study, results: Sequence[CandidateResult], best: tuple[str, 
         f"the data bear {found['mean']:.2f} +- {found['sd']:.2f} of what the law of {name.replace('_', ' ')} says"
         for name, found in strengths.items()
         # a switch has no strength in between, and one that moves nothing has none that was fitted
-        if found and found["mean"] + SURELY * found["sd"] < 1.0
+        if found and found["mean"] + study.thresholds["caveats"]["weak_law_sd"] * found["sd"] < 1.0
     ]
     return notes

@@ -6,6 +6,7 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.reporting.results import Results
 from eaclutch.reporting.words import (
     FACTORS,
@@ -17,12 +18,7 @@ from eaclutch.reporting.words import (
     scale_for,
 )
 
-MOST_OF_IT = 0.8  # of the closable gap; what closes less explains a part
-PROBABLE = 0.8  # from which on a rival is one that cannot be ruled out, and below it one that does as well
-LEAST_SHIFT = 0.5  # posterior standard deviations; smaller moves say nothing
-ABOVE_FLOOR = (
-    2.0  # times the noise floor, from which on a gap without a name is said to be the base laws' own
-)
+RULES = load_thresholds()["sentences"]
 MOST_SHIFTS = 8  # of the ledger's entries on the page; the rest stands in the file
 _SIGNS = {"<=": "≤", ">=": "≥", "<": "<", ">": ">"}
 
@@ -61,7 +57,7 @@ def verdict_sentence(diagnosis: Mapping[str, Any]) -> str:
         alone = [effect_words(names) + " alone" for names in smaller]
         listed = " or ".join([*(effect_words(names) for names in (*rivals, *larger)), *alone])
         start = f"The gap points to {named} (probability {probability}), but"
-        if (verdict.get("probability") or 0.0) >= PROBABLE:
+        if (verdict.get("probability") or 0.0) >= RULES["probable"]:
             return f"{start} {listed} cannot be ruled out."
         return f"{start} these data cannot tell it from {listed}."
     if larger:
@@ -91,7 +87,7 @@ def _tolerated(diagnosis: Mapping[str, Any]) -> str:
     though no effect is named; else empty."""
     total = (diagnosis.get("gap") or {}).get("total") or {}
     before, floor = total.get("before"), total.get("noise_floor")
-    if before is None or floor is None or before <= ABOVE_FLOOR * floor:
+    if before is None or floor is None or before <= RULES["above_floor"] * floor:
         return ""
     return (
         f"; the model misses by more than noise does ({number(before, 2)} against {number(floor, 2)}), "
@@ -107,14 +103,14 @@ def _not_ruled_out(others: Sequence[Sequence[str]]) -> str:
 
 def _left(diagnosis: Mapping[str, Any]) -> bool:
     """Whether the verdict's effects leave a gap: one of them alone fails the absolute check, or more is left than
-    noise leaves (less than MOST_OF_IT is closed and the closure's interval ends below 1)."""
+    noise leaves (less than most of it is closed and the closure's interval ends below 1)."""
     causes = {cause["effect"]: cause for cause in diagnosis.get("causes", [])}
     effects = diagnosis["verdict"]["effects"]
     if len(effects) == 1 and causes.get(effects[0], {}).get("adequate_after") is False:
         return True
     closure = diagnosis.get("closure") or {}
     share, (_, most) = closure.get("shrinkage"), closure.get("interval") or (None, None)
-    return share is not None and share < MOST_OF_IT and (most is None or most < 1.0)
+    return share is not None and share < RULES["most_of_it"] and (most is None or most < 1.0)
 
 
 def closure_words(closure: Mapping[str, Any]) -> str:
@@ -155,7 +151,7 @@ def caveats(results: Results) -> list[str]:
         if others:
             rivals = " or ".join(effect_words([other]) for other in others)
             found.append(
-                f"In this campaign {rivals} could stand for {effect_words([name])}: they act much alike."
+                f"In this campaign {rivals} could stand for {effect_words([name])}: about as probable alone."
             )
     confounded = {
         (entry["factor"], other)
@@ -222,7 +218,9 @@ def absorption_sentences(diagnosis: Mapping[str, Any]) -> list[str]:
     moved = (diagnosis.get("absorbed") or {}).items()
     order = sorted(moved, key=lambda item: -abs(item[1].get("shift_posterior_sd") or 0))
     told = [
-        (name, entry) for name, entry in order if abs(entry.get("shift_posterior_sd") or 0) >= LEAST_SHIFT
+        (name, entry)
+        for name, entry in order
+        if abs(entry.get("shift_posterior_sd") or 0) >= RULES["least_shift_sd"]
     ]
     sentences = []
     for name, entry in told[:MOST_SHIFTS]:

@@ -54,6 +54,19 @@ def settings_of(run: PlannedRun, timing: RecordTiming, bench: Bench) -> RunSetti
     return dataclasses.replace(settings, run=log_name(settings))
 
 
+def values_of(model: ClutchModel, parameters: Mapping[str, float]) -> dict[str, float]:
+    """Every parameter of the model by name, at its default where ``parameters`` has none. Raises InputError for a name
+    that the model lacks."""
+    unknown = sorted(set(parameters) - set(model.parameters))
+    if unknown:
+        raise InputError(
+            f"parameters.{unknown[0]}",
+            "is not a parameter of this model",
+            "see eaclutch effects for the names",
+        )
+    return {name: float(parameters.get(name, p.default)) for name, p in model.parameters.items()}
+
+
 def conditions_of(
     plan: Plan, bench: Bench, parameters: Mapping[str, float], preload_factors: np.ndarray | None = None
 ) -> RunConditions:
@@ -113,14 +126,7 @@ def simulate_campaign(
     if (folder / "tensile").is_dir() and any((folder / "tensile").iterdir()):
         raise InputError(folder / "tensile", "holds recordings already", "name an empty folder")
     model = ClutchModel(bench, tuple(effects))
-    unknown = sorted(set(parameters) - set(model.parameters))
-    if unknown:
-        raise InputError(
-            f"parameters.{unknown[0]}",
-            "is not a parameter of this model",
-            "see eaclutch effects for the names",
-        )
-    values = {name: float(parameters.get(name, p.default)) for name, p in model.parameters.items()}
+    values = values_of(model, parameters)
     streams = iter(rng.spawn(len(plan.runs) + 5))
     general = next(streams)
     preloads = np.exp(noise.preload_scatter_run * general.standard_normal(len(plan.runs)))

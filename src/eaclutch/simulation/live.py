@@ -11,7 +11,7 @@ import numpy as np
 from eaclutch.physics.model import ClutchModel
 from eaclutch.records import Bench, Recording
 from eaclutch.rig.link.protocol import BenchSetting, Command, Timing
-from eaclutch.simulation.campaign import conditions_of, settings_of
+from eaclutch.simulation.campaign import conditions_of, settings_of, values_of
 from eaclutch.simulation.noise import BenchNoise
 from eaclutch.simulation.plan import Plan, PlannedRun, RecordTiming
 from eaclutch.simulation.run import record_run
@@ -37,9 +37,7 @@ class LiveBench:
         self.noise = BenchNoise() if noise is None else noise
         self.bench, self.timing, self.rng = bench, timing, rng
         self.model = ClutchModel(bench, tuple(effects))
-        self.values = {
-            name: float(parameters.get(name, p.default)) for name, p in self.model.parameters.items()
-        }
+        self.values = values_of(self.model, parameters)
         self.zero = self.noise.zero_common + self.noise.zero_session * rng.standard_normal()
         self.runs = 0
 

@@ -19,7 +19,7 @@ from eaclutch.physics.prediction import PART, Prediction, Status
 from eaclutch.records import Bench, BurstFeatures, CapacitanceReadings, FloatArray, RunConditions, Spectrum
 from eaclutch.rig.preload import preload_of
 from eaclutch.rig.table import empty_row, runs_table
-from eaclutch.simulation.campaign import conditions_of, settings_of
+from eaclutch.simulation.campaign import conditions_of, settings_of, values_of
 from eaclutch.simulation.noise import BenchNoise
 from eaclutch.simulation.plan import Plan, SideBenches
 from eaclutch.simulation.run import scatter_factors
@@ -61,7 +61,7 @@ def simulate_table(
     """The campaign that ``simulate_campaign`` would write, as observables. Same arguments, no folder; ``options``:
     further keywords of ClutchModel."""
     model = ClutchModel(bench, tuple(effects), **options)
-    values = {name: float(parameters.get(name, p.default)) for name, p in model.parameters.items()}
+    values = values_of(model, parameters)
     preloads = np.exp(noise.preload_scatter_run * rng.standard_normal(len(plan.runs)))
     conditions = conditions_of(plan, bench, values, preloads)
     found, stated, truth = observe(model, conditions, values, noise, rng)
