@@ -222,13 +222,15 @@ def test_what_an_effect_explains_between_sessions_is_no_noise():
     assert session_spread(study, after) <= 1.0
 
 
-def test_no_experiment_asks_for_more_voltage_than_the_campaign_had(plain):
+def test_no_experiment_asks_for_more_than_the_supply_has_given(plain):
     assert max(entry["voltage_v"] for entry in plain["next_experiment"]) <= 300.0
-    low = [c | {"voltage_v": min(c["voltage_v"], 150)} for c in CONDITIONS]
-    assert np.unique(_grid(Study(inputs(conditions=low), load_thresholds(), seed=3)).voltage).tolist() == [
-        100.0,
-        150.0,
+    low = [
+        c | {"voltage_v": min(c["voltage_v"], 150), "frequency_hz": min(c["frequency_hz"], 30)}
+        for c in CONDITIONS
     ]
+    grid = _grid(Study(inputs(conditions=low), load_thresholds(), seed=3))
+    assert np.unique(grid.voltage).tolist() == [100.0, 150.0]
+    assert np.unique(grid.frequency).tolist() == [0.1, 1.0, 10.0, 30.0]
 
 
 def test_parameters_of_a_candidate_that_the_model_has_are_reported_and_the_config_says_how_many_campaigns():

@@ -47,7 +47,8 @@ def fit_hypothesis(
     An effect's own parameters are scouted over their prior first (the calibrated ones follow linearly), so
     that a fit does not depend on where it starts; on top of the fit of one of two effects, ``beyond`` which it goes,
     the other one's are. ``seeds``: parameters known from elsewhere (the fits of each of two effects alone; a first fit
-    of the same data) make a further start, and the only one of a fit from scratch. ``size``: multipliers (tolerance,
+    of the same data) are a start in the place of the base fit's, or of the defaults; of a fit from scratch at no wider
+    tolerances than usual the only one. ``size``: multipliers (tolerance,
     session) that it begins with, where another fit has found how large the gap is. A fit of the model by itself tries
     other zeros of the load cell from where it ends, that of an effect does not.
     """

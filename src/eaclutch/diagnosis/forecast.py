@@ -2,7 +2,9 @@
 
 Everything is done on signatures: how far an effect moves the entries of a campaign that the base model itself
 predicts. Data are simulated around them with repeat noise, session spread, the base laws' tolerance and an error
-of the effect's own law, and weighed like real ones, with each law's free parameters replaced by a cloud of sizes.
+of the effect's own law, and weighed by the same prior odds and temperature as real ones, with each law's free
+parameters replaced by a cloud of sizes. Without pairs, absolute check and ``against_unknown``, so it is more lenient
+than a verdict: a name leads the nameless terms by all of its nats.
 """
 
 from __future__ import annotations

@@ -72,7 +72,7 @@ class Forward:
 
     @cached_property
     def representative(self) -> RepresentativeForward:
-        """The same model on one run a group: an eighth of the cost, for derivatives and scouting."""
+        """The same model on one run an entry: a fraction of the cost, for derivatives and scouting."""
         return RepresentativeForward(self)
 
     def named(self, theta: FloatArray) -> dict[str, FloatArray]:

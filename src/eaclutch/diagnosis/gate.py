@@ -1,8 +1,7 @@
 """The gate: is there a gap beyond what repeats, sessions and the base laws' own tolerance explain?
 
-The reference is a set of campaigns simulated from the fitted base model with between-session spread; every
-p-value of a table comes from the same set, so that one family-wise error rate holds for all of it (maximum
-statistic, Westfall & Young 1993).
+The reference is a set of campaigns simulated from a fitted model with between-session spread; every p-value of a table
+comes from one set, so that one family-wise error rate holds for all of it (maximum statistic, Westfall & Young 1993).
 """
 
 from __future__ import annotations

@@ -25,7 +25,8 @@ class HypothesisFit:
     residual (entries,): measured less predicted at the mode. signature (entries,): how far the effects themselves
     move the prediction; form: of that, what another form of their laws might move. multipliers: the most probable
     (tolerance, session). log_evidence: nats, averaged over the multipliers. peak: that of the most probable
-    multipliers, however wide; fits of one hypothesis from different starts are compared by it.
+    multipliers, however wide; fits of one hypothesis from different starts are compared by it. size: the multipliers at
+    which its mode was found.
     """
 
     effects: tuple[str, ...]

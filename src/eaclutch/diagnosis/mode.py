@@ -1,6 +1,6 @@
 """The most probable parameters of a hypothesis: Gauss-Newton with a cheap Jacobian and exact residuals.
 
-The Jacobian is taken on one representative run a group (condition, session), the residuals on all runs: repeats
+The Jacobian is taken on one representative run an entry, the residuals on all runs: repeats
 differ in the force at switch-off, which the residuals must follow, but hardly in how a parameter moves them.
 """
 

@@ -44,7 +44,7 @@ def nameless_fit(
     ``signature``: of the effects in that fit, where it is not the base model's: the evidence is then that of the
     effects with a nameless remainder.
 
-    The factors are chosen block by block until nothing changes; the sum over each one's grid, the others
+    The factors are chosen block by block, ``sweeps`` times at most; the sum over each one's grid, the others
     fixed, stands for the sum over all of them (they hardly interact).
     """
     settings, share = thresholds["nameless"], float(thresholds["signature_tolerance"])

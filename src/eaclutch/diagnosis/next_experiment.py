@@ -1,4 +1,4 @@
-"""The few runs within the rig's limits that would best separate what is left."""
+"""The few runs within what the rig has shown that it can do that would best separate what is left."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import UNKNOWN
 from eaclutch.records import FloatArray, RunConditions
 
-VOLTAGES = (100.0, 200.0, 300.0)  # below the campaign's largest, which stands beside them
+# below the campaign's largest, which stands beside them: no supply is asked for more than it has given
+VOLTAGES = (100.0, 200.0, 300.0)
 FREQUENCIES = (0.1, 1.0, 10.0, 100.0, 1000.0, 10000.0)
 PRELOADS = (0.1, 0.5, 1.0)
 RUNS = 5
@@ -105,9 +106,8 @@ def _grid(study: Study) -> RunConditions:
     if substrate is not None:
         thickness = {round(w * 1e3, 6): t for w, t in substrate.thickness.items()} | thickness
     sums = study.inputs.bench.friction.sliding
-    largest = float(np.max(runs.voltage))
-    voltages = [*(v for v in VOLTAGES if v < largest), largest]
-    rows = [(v, f, w * 1e-3, thickness[w], sums * p, p) for v in voltages for f in FREQUENCIES
+    voltages, frequencies = _up_to(VOLTAGES, runs.voltage), _up_to(FREQUENCIES, runs.frequency)
+    rows = [(v, f, w * 1e-3, thickness[w], sums * p, p) for v in voltages for f in frequencies
             for w in sorted(thickness) for p in PRELOADS]  # fmt: skip
     table = np.array(rows)
     nearest = np.array([int(np.argmin(np.abs(np.log(runs.frequency / f)))) for f in table[:, 1]])
@@ -119,6 +119,12 @@ def _grid(study: Study) -> RunConditions:
         table[:, 3], table[:, 4], np.full(n, np.nan), runs.drive_duration[nearest], runs.dwell[nearest],
         np.zeros(n), np.full(n, np.asarray(runs.session_number)[last]),
     )  # fmt: skip
+
+
+def _up_to(levels: Sequence[float], used: FloatArray) -> list[float]:
+    """The levels below the largest that the campaign ``used`` (runs,), and that one."""
+    largest = float(np.max(used))
+    return [*(level for level in levels if level < largest), largest]
 
 
 def _preload(study: Study, grid: RunConditions) -> FloatArray:

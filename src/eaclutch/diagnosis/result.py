@@ -32,7 +32,8 @@ class CandidateResult:
     (``Cells.mean_square``), 0 where there is one condition only.
     errors_left_out, errors: measured less predicted on the comparison scale, one an entry,
     without and with the entry's condition in the fit. shift: how far the effect moves each entry. adequate_p:
-    absolute gate with the effect in, at usual tolerances. remainder_law: (quantity, setting) where the
+    absolute gate with the effect in, at usual tolerances; block_p: of each block in it. multipliers: the fit's most
+    probable (tolerance, session); converged: whether it ended by itself. remainder_law: (quantity, setting) where the
     nameless remainder is best said so, else empty. repeat_drift [nats], of the base model: evidence
     that this campaign's repeats drift with the run order (``diagnosis.drift``). parameters: the
     effect's own (a pair's with its name in front); calibrated: {name: {mean, sd, unit, prior_sds}}.

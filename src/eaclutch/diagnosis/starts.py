@@ -88,7 +88,7 @@ def scout(forward: Forward, base: HypothesisFit, covariance: FloatArray) -> list
     w = base.linearised.w - shift
     white = cho_solve(factor, w.T)
     score = -0.5 * np.sum(w.T * white, axis=0) - cost
-    # the base fit itself comes first: a hypothesis that holds the base model must not do worse than it
+    # the base fit with the effect nearly off comes first: a hypothesis that holds the base model should not do worse
     neutral = forward.priors.to_normal(neutral_parameters(forward, forward.priors.from_normal(u[0]), own))
     free = [p.neutral is None for p in forward.parameters]
     off = np.where(free, NEARLY_OFF, np.maximum(neutral, NEARLY_OFF))
