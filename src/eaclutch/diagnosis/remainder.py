@@ -96,9 +96,9 @@ def _settled(
     nameless: Nameless,
     place: _Place,
 ) -> tuple[float, Nameless]:
-    """Around a large gap: smooth terms and the fit beside them, each found anew beside the other until that gains nothing,
-    or ``ROUNDS`` times. Fits at wide tolerances end far apart there; what a remainder says of them would depend on where.
-    """
+    """Around a large gap: smooth terms and the fit beside them, each found anew beside the other until that gains
+    nothing, or ``ROUNDS`` times. Fits at wide tolerances end far apart there; what a remainder says of them would
+    depend on where."""
     for _ in range(ROUNDS):
         covariance = nameless.linearised.covariance
         place = _Place.fitted(forward, data, covariance, place.mode.u)
