@@ -9,6 +9,7 @@ between two sealed sets at what a change of the method has cost. ``--record`` wr
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -17,7 +18,7 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 from measurement import record
 from nameless import share
 from open_campaigns import asked_singles
-from weighed import rows_left, weigh_all
+from weighed import Weighed, rows_left, weigh_all
 
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.verdict import decide
@@ -26,20 +27,7 @@ from eaclutch.diagnosis.weigh import probabilities
 
 def main() -> None:
     chosen, entries = asked_singles(__doc__.splitlines()[0])
-    thresholds, said = load_thresholds(), []
-    for answer, found in weigh_all(entries, chosen.work, chosen.jobs):
-        weights = probabilities(found, thresholds, rows_left(found))
-        verdict = decide(weights, found, thresholds)
-        (truth,) = (entry["effect"] for entry in answer["effects"])
-        said.append(
-            {
-                "truth": truth,
-                "said": " and ".join(verdict.effects) or "none",
-                "probability_of_truth": weights.get((truth,), 0.0),
-                "alternatives": [" and ".join(a) or "none" for a in verdict.alternatives],
-            }
-        )
-    said.sort(key=lambda row: row["truth"])
+    said = told(weigh_all(entries, chosen.work, chosen.jobs))
     result: dict[str, Any] = {
         "cases": len(said),
         "right": share(sum(row["said"] == row["truth"] for row in said), len(said)),
@@ -52,6 +40,24 @@ def main() -> None:
     if chosen.record:
         command = f"python benchmarks/singles.py --seed {chosen.seed} --work singles --each {chosen.each}"
         record("singles", command, result)
+
+
+def told(cases: Sequence[tuple[Mapping[str, Any], Sequence[Weighed]]]) -> list[dict[str, Any]]:
+    """What is said of each case, (answer, hypotheses), by the rules as they are, in the order of what is true."""
+    thresholds, said = load_thresholds(), []
+    for answer, found in cases:
+        weights = probabilities(found, thresholds, rows_left(found))
+        verdict = decide(weights, found, thresholds)
+        truth = sorted(entry["effect"] for entry in answer["effects"])
+        said.append(
+            {
+                "truth": " and ".join(truth),
+                "said": " and ".join(sorted(verdict.effects)) or "none",
+                "probability_of_truth": sum(p for e, p in weights.items() if sorted(e) == truth),
+                "alternatives": [" and ".join(sorted(a)) or "none" for a in verdict.alternatives],
+            }
+        )
+    return sorted(said, key=lambda row: row["truth"])
 
 
 if __name__ == "__main__":
