@@ -128,6 +128,20 @@ def test_an_effect_that_acts_alike_everywhere_is_called_all(campaign):
     assert row["factor"] == "all"
 
 
+def test_a_side_that_holds_little_of_what_an_effect_does_is_no_place_of_it(campaign):
+    """Calibration leaves most of it in three of 24 runs, while the other 21 are as far off."""
+    data, cells, _ = campaign
+    rng = np.random.default_rng(1)
+    data.conditions.run_order = np.where(np.arange(RUNS) < 3, 1.0, 0.0)
+    shift, left = np.zeros(2 * RUNS), np.zeros(2 * RUNS)
+    shift[:RUNS], left[:3] = 0.3, 0.2
+    simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
+    (row,) = localise(
+        data, cells, shift, simulated, rng, Explained(shift, left, np.full(2 * RUNS, 0.02))
+    ).rows
+    assert row["factor"] == "all" and row["share"] == pytest.approx(1.0)
+
+
 def test_what_calibration_takes_up_of_an_effect_is_no_place_of_it(campaign):
     """A force that is a third larger everywhere, and more so at 300 V: a factor on the force follows the former."""
     data, cells, _ = campaign

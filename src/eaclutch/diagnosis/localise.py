@@ -153,7 +153,7 @@ def _where_it_acts(
 
     excess (entries,): what it does, squared over the repeats' variance. The split whose two means say most of what
     calibration leaves of it (of all it does, where less than noise is left), by the side that holds more of the excess
-    unless that is nearly all there is; "all" where one mean says nearly as much.
+    unless that is nearly all there is; "all" where one mean says nearly as much, or the side holds little of it.
     """
     mine = [i for i, (observable, _) in enumerate(tests) if observable == name]
     every = next((i for i in mine if tests[i][1].factor == "all"), None)
@@ -173,4 +173,6 @@ def _where_it_acts(
     sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
     sides = [i for i in sides if masks[i].sum() <= rules["nearly_all"] * size] or sides
     best = max(sides, key=lambda i: float(masks[i] @ excess))
+    if masks[best] @ excess < rules["side_holds"] * float(masks[every] @ excess):
+        best = every
     return tests[best][1], best
