@@ -10,7 +10,6 @@ docs/measurements/base_withheld.json.
 
 from __future__ import annotations
 
-import argparse
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -21,7 +20,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 from measurement import record
-from open_campaigns import LIMITS, Job, for_each, made
+from open_campaigns import LIMITS, Job, for_each, made, parser_of
 from weighed import kept, read_case, rows_left, weigh_campaign
 
 from eaclutch.blind import plan
@@ -34,14 +33,10 @@ from eaclutch.physics.effects import BASE
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--work", type=Path, required=True)
-    parser.add_argument("--jobs", type=int, default=2)
+    parser = parser_of(__doc__.splitlines()[0])
     parser.add_argument(
         "--each", type=int, default=1, help="campaigns a base effect, and as many with a candidate"
     )
-    parser.add_argument("--record", action="store_true")
     chosen = parser.parse_args()
     count, limits = chosen.each * len(BASE), read_json(LIMITS)
     one = plan.make_plan("dev", chosen.seed, none=count, unknown=0, singles=count, pairs=0, limits=limits)

@@ -11,7 +11,6 @@ effect could tell apart (confusion.json, for ``blind.forecast``). Each case is k
 
 from __future__ import annotations
 
-import argparse
 import os
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
@@ -23,6 +22,7 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 import numpy as np
 from measurement import record
+from open_campaigns import parser_of
 from scipy.optimize import minimize
 from scipy.special import expit, logit, softmax
 from weighed import rows_left, weigh_all
@@ -108,12 +108,8 @@ def gains(cases: Sequence[tuple[Mapping[str, Any], Any]]) -> dict[str, list[tupl
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--work", type=Path, required=True)
-    parser.add_argument("--jobs", type=int, default=2)
+    parser = parser_of(__doc__.splitlines()[0])
     parser.add_argument("--forecast", type=Path, help="confusion.json to write")
-    parser.add_argument("--record", action="store_true")
     chosen = parser.parse_args()
     plan.SIZE_RANGE = SIZES
     command = f"python benchmarks/development.py --seed {chosen.seed} --work development"

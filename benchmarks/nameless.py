@@ -10,18 +10,16 @@ namespace of ``eaclutch.blind``. Each case is kept as soon as it is done.
 
 from __future__ import annotations
 
-import argparse
 import os
 from collections import Counter, defaultdict
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 from measurement import record
-from open_campaigns import LIMITS
+from open_campaigns import LIMITS, parser_of
 from scipy.stats import binomtest
 from weighed import rows_left, weigh_all
 
@@ -57,14 +55,10 @@ def wrong_names(cases: Sequence[tuple[Mapping[str, Any], Any]]) -> dict[str, Any
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--work", type=Path, required=True)
-    parser.add_argument("--jobs", type=int, default=2)
+    parser = parser_of(__doc__.splitlines()[0])
     kind = parser.add_mutually_exclusive_group(required=True)
     kind.add_argument("--none", type=int, default=0, help="so many campaigns without an effect")
     kind.add_argument("--unknown", type=int, default=0, help="so many with an effect that the library lacks")
-    parser.add_argument("--record", action="store_true")
     chosen = parser.parse_args()
     limits = read_json(LIMITS)
     entries = plan.make_plan(

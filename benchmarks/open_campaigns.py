@@ -19,14 +19,20 @@ LIMITS = Path(__file__).parents[1] / "config" / "blind_limits.json"
 Job = tuple[plan.Entry, Path]  # a case, and the folder that keeps what is done of it
 
 
-def asked_singles(description: str) -> tuple[argparse.Namespace, Sequence[plan.Entry]]:
-    """The command line of a script on campaigns with one effect each, and those campaigns."""
+def parser_of(description: str) -> argparse.ArgumentParser:
+    """The command line that all scripts on such campaigns share."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--work", type=Path, required=True)
     parser.add_argument("--jobs", type=int, default=2)
-    parser.add_argument("--each", type=int, default=1, help="campaigns an effect")
     parser.add_argument("--record", action="store_true")
+    return parser
+
+
+def asked_singles(description: str) -> tuple[argparse.Namespace, Sequence[plan.Entry]]:
+    """The command line of a script on campaigns with one effect each, and those campaigns."""
+    parser = parser_of(description)
+    parser.add_argument("--each", type=int, default=1, help="campaigns an effect")
     chosen = parser.parse_args()
     entries = plan.make_plan(
         "dev", chosen.seed, none=0, unknown=0, each_single=chosen.each, pairs=0, limits=read_json(LIMITS)

@@ -8,9 +8,7 @@ config/blind_limits.json. ``--record`` writes docs/measurements/pairs.json. Each
 
 from __future__ import annotations
 
-import argparse
 import os
-from pathlib import Path
 from typing import Any
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -18,7 +16,7 @@ os.environ.setdefault("NUMBA_NUM_THREADS", "1")
 
 from measurement import record
 from nameless import share
-from open_campaigns import LIMITS
+from open_campaigns import LIMITS, parser_of
 from singles import told
 from weighed import weigh_all
 
@@ -27,12 +25,8 @@ from eaclutch.files import read_json
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seed", type=int, required=True)
-    parser.add_argument("--work", type=Path, required=True)
-    parser.add_argument("--jobs", type=int, default=2)
+    parser = parser_of(__doc__.splitlines()[0])
     parser.add_argument("--pairs", type=int, default=20)
-    parser.add_argument("--record", action="store_true")
     chosen = parser.parse_args()
     entries = plan.make_plan(
         "dev", chosen.seed, none=0, unknown=0, pairs=chosen.pairs, limits=read_json(LIMITS)
