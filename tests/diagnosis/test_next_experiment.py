@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 
 from diagnosis.simulated import inputs
-from eaclutch.diagnosis.next_experiment import _contenders, _grid, _separated, _variance
+from eaclutch.diagnosis.next_experiment import _contenders, _grid, _separated, _variance, next_experiments
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
+from eaclutch.diagnosis.weigh import UNKNOWN
 
 
 def test_where_a_tip_comes_to_rest_tells_no_experiment_from_another():
@@ -35,6 +36,20 @@ def test_a_pair_whose_second_effect_does_nothing_is_no_rival_of_the_first():
     weights = {single.effects: 0.95, pair.effects: 0.04, plain.effects: 0.01}
     kept, said = _contenders(study, [plain, single, pair], weights, _grid(study), _variance(study))
     assert kept == [("series_compliance",), ()] and len(said) == 2
+
+
+def test_unknown_predicts_what_its_best_lookalike_does():
+    study = Study(
+        inputs(("series_compliance",), {"series_compliance.compliance": 2.5e-5}), load_thresholds(), seed=3
+    )
+    named, slow = study.weigh(("series_compliance",)), study.weigh(("slow_stage",))
+    plain = study.weigh(())
+    weights = {named.effects: 0.6, UNKNOWN: 0.4, plain.effects: 0.0}
+    ahead = replace(slow, log_evidence=named.log_evidence_without_open + 50.0)
+    for result, contenders in ((ahead, [named.effects, UNKNOWN]), (slow, [named.effects, ()])):
+        kept, said = _contenders(study, [plain, named, result], weights, _grid(study), _variance(study))
+        assert kept == contenders and np.any(said[0] != said[1])
+    assert "unknown" in next_experiments(study, [plain, named, ahead], weights)[0]["separates"]
 
 
 def test_a_new_experiment_takes_strips_of_one_substrate():

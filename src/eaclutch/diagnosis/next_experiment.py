@@ -10,7 +10,7 @@ import numpy as np
 from eaclutch.diagnosis.readings import Readings
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.weigh import UNKNOWN
+from eaclutch.diagnosis.weigh import UNKNOWN, unknown_as
 from eaclutch.records import FloatArray, RunConditions
 
 # below the campaign's largest, which stands beside them: no supply is asked for more than it has given
@@ -33,7 +33,7 @@ def next_experiments(
 
     The information is that of which hypothesis is true, by the Bhattacharyya bound on a mixture of Gaussians
     (Kolchinsky & Tracey 2017, doi:10.3390/e19070361), from the predictions at each hypothesis' own fit, the observables
-    taken as independent.
+    taken as independent. ``unknown`` predicts what its best lookalike does, and nothing where that is a nameless term.
     """
     grid, variance = _grid(study), _variance(study)
     contenders, predictions = _contenders(study, results, weights, grid, variance)
@@ -44,8 +44,9 @@ def next_experiments(
     distance = (predictions[:, None] - predictions[None]) ** 2 / variance[:, None]
     distance = np.nansum(distance, axis=2)  # (i, j, settings)
     information = -np.einsum("i,ig->g", p, np.log(np.einsum("j,ijg->ig", p, np.exp(-distance / 8.0))))
-    # as far as one of them is true at all: what the library lacks predicts nothing that could be separated
-    information *= 1.0 - weights.get(UNKNOWN, 0.0)
+    if UNKNOWN not in contenders:
+        # as far as one of them is true at all: what the library lacks predicts nothing that could be separated
+        information *= 1.0 - weights.get(UNKNOWN, 0.0)
     found: list[dict[str, Any]] = []
     for i in np.argsort(-information):
         pair = _separated(distance[:, :, i], p)
@@ -75,9 +76,12 @@ def _contenders(
     there are any that differ somewhere on the grid from those before them (a pair whose second effect does nothing is
     no rival of the first)."""
     fitted = {r.effects: r for r in results}
+    like = unknown_as(results, study.thresholds)
+    if like:
+        fitted[UNKNOWN] = fitted[like,]
     kept: list[tuple[str, ...]] = []
     said: list[FloatArray] = []
-    for effects in sorted((e for e in weights if e != UNKNOWN), key=lambda e: -weights[e]):
+    for effects in sorted((e for e in weights if e in fitted), key=lambda e: -weights[e]):
         if len(kept) == CONTENDERS or (len(kept) > 1 and weights[effects] < SMALLEST_WEIGHT):
             break
         predicted = _predict(study, fitted[effects], grid)
