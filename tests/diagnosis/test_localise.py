@@ -10,8 +10,10 @@ from scipy.optimize import minimize
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.channels import CHANNELS
 from eaclutch.diagnosis.localise import Explained, localise
+from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.splits import Split, confounded, settings_of, splits_of
 
+PLACE = load_thresholds()["place"]
 RUNS = 24
 
 
@@ -52,7 +54,7 @@ def where(campaign, errors, seed=2):
     data, cells, _ = campaign
     rng = np.random.default_rng(seed)
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    return localise(data, cells, errors, simulated, rng)
+    return localise(data, cells, errors, simulated, rng, PLACE)
 
 
 def test_a_slow_release_at_low_frequency_is_found_there_and_its_session_is_named(campaign):
@@ -89,7 +91,7 @@ def test_the_place_of_a_named_effect_is_where_it_acts_however_small_its_gap(camp
     explained[:RUNS][late] = -0.01
     errors += explained
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, errors, simulated, rng, all_left(explained)).rows
+    (row,) = localise(data, cells, errors, simulated, rng, PLACE, all_left(explained)).rows
     assert row["observable"] == "release_time_50_s"
     assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
     assert row["direction"] == "-" and row["share"] == pytest.approx(1.0)
@@ -102,7 +104,7 @@ def test_the_direction_is_that_of_the_measured_errors_whatever_the_effect_would_
     errors, explained = rng.normal(0.0, 0.02, 2 * RUNS), np.zeros(2 * RUNS)
     explained[:RUNS][late], errors[:RUNS][late] = -0.1, 0.1
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, errors, simulated, rng, all_left(explained)).rows
+    (row,) = localise(data, cells, errors, simulated, rng, PLACE, all_left(explained)).rows
     assert row["direction"] == "+"
 
 
@@ -114,7 +116,7 @@ def test_the_place_of_an_effect_is_the_split_that_says_most_of_it(campaign):
     explained[:RUNS][late] = np.where(data.conditions.run_order[late] < 1.5, 0.4, 0.1)
     errors = explained + rng.normal(0.0, 0.02, 2 * RUNS)
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, errors, simulated, rng, all_left(explained)).rows
+    (row,) = localise(data, cells, errors, simulated, rng, PLACE, all_left(explained)).rows
     assert {row["factor"], *row["confounded_with"]} >= {"frequency_hz", "session"}
     assert row["share"] == pytest.approx(1.0)
 
@@ -124,7 +126,7 @@ def test_an_effect_that_acts_alike_everywhere_is_called_all(campaign):
     rng = np.random.default_rng(1)
     explained = np.concatenate([rng.uniform(0.05, 0.15, RUNS), np.zeros(RUNS)])
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
-    (row,) = localise(data, cells, explained, simulated, rng, all_left(explained)).rows
+    (row,) = localise(data, cells, explained, simulated, rng, PLACE, all_left(explained)).rows
     assert row["factor"] == "all"
 
 
@@ -137,7 +139,7 @@ def test_a_side_that_holds_little_of_what_an_effect_does_is_no_place_of_it(campa
     shift[:RUNS], left[:3] = 0.3, 0.2
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
     (row,) = localise(
-        data, cells, shift, simulated, rng, Explained(shift, left, np.full(2 * RUNS, 0.02))
+        data, cells, shift, simulated, rng, PLACE, Explained(shift, left, np.full(2 * RUNS, 0.02))
     ).rows
     assert row["factor"] == "all" and row["share"] == pytest.approx(1.0)
 
@@ -151,7 +153,7 @@ def test_what_calibration_takes_up_of_an_effect_is_no_place_of_it(campaign):
     factor, noise = np.append(np.ones(RUNS), np.zeros(RUNS))[:, None], 0.02**2 * np.eye(2 * RUNS)
     simulated = rng.normal(0.0, 0.02, (400, data.run_entries))
     places = [
-        localise(data, cells, shift, simulated, rng, Explained.of(shift, jacobian, noise)).rows[0]
+        localise(data, cells, shift, simulated, rng, PLACE, Explained.of(shift, jacobian, noise)).rows[0]
         for jacobian in (0.0 * factor, factor, 1e-3 * factor)
     ]
     # a factor that its prior holds within a thousandth follows nothing
@@ -159,7 +161,7 @@ def test_what_calibration_takes_up_of_an_effect_is_no_place_of_it(campaign):
     even = np.concatenate([np.full(RUNS, 0.3), np.zeros(RUNS)])
     even[:4] += 1e-4  # what is left of an even force is far below the repeats' noise, and names no place
     said = Explained.of(even, factor, noise)
-    assert localise(data, cells, even, simulated, rng, said).rows[0]["factor"] == "all"
+    assert localise(data, cells, even, simulated, rng, PLACE, said).rows[0]["factor"] == "all"
     assert places[1]["level"] == ">200" and places[1]["share"] == pytest.approx(0.40**2 / (0.40**2 + 0.26**2))
 
 
@@ -184,8 +186,8 @@ def test_a_factor_that_says_which_side_a_run_is_on_is_named_though_no_cut_of_it_
         "width_mm": late.member,
         "voltage_v": np.ones(24),
     }
-    assert confounded(at_rest, settings) == ["frequency_hz"]
-    assert confounded(late, settings) == ["run_order"]
+    assert confounded(at_rest, settings, PLACE["confounded"]) == ["frequency_hz"]
+    assert confounded(late, settings, PLACE["confounded"]) == ["run_order"]
 
 
 def test_sessions_have_no_order():
@@ -197,13 +199,16 @@ def test_sessions_have_no_order():
         "voltage_v": 200.0 + 100.0 * high.member,
         "width_mm": np.tile([1.0, 2.0, 3.0], 16),
     }
-    assert confounded(high, settings) == ["session"]
+    assert confounded(high, settings, PLACE["confounded"]) == ["session"]
 
 
 def test_a_session_a_run_explains_nothing():
     session = np.arange(24.0)
     high = Split("voltage_v", ">200", np.tile([0.0, 1.0], 12))
-    assert confounded(high, {"session": session, "voltage_v": 200.0 + 100.0 * high.member}) == []
+    assert (
+        confounded(high, {"session": session, "voltage_v": 200.0 + 100.0 * high.member}, PLACE["confounded"])
+        == []
+    )
 
 
 def test_averaged_settings_are_the_settings(campaign):
@@ -244,6 +249,6 @@ def test_what_is_seen_on_the_bench_alone_has_its_place_there(campaign):
     explained[n : n + readings] = -0.1
     simulated = rng.normal(0.0, 0.02, (400, len(errors)))
     for known in (None, all_left(explained)):
-        (row,) = localise(with_bench, cells, errors + explained, simulated, rng, known).rows
+        (row,) = localise(with_bench, cells, errors + explained, simulated, rng, PLACE, known).rows
         assert (row["observable"], row["phase"], row["factor"]) == ("capacitance_pf", "capacitance", "all")
         assert row["direction"] == "-" and row["share"] > 0.9 and row["p_value"] < 0.05

@@ -58,6 +58,7 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
         elsewhere @ sound.w,
         quiet,
         study.generator(13),
+        study.thresholds["place"],
         explained=_explained(study, verdict, after, results, sound),
     )
     units = {channel.name: channel.unit for channel in study.data.channels}

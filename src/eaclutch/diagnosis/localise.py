@@ -21,8 +21,7 @@ from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.gate import max_statistic
 from eaclutch.diagnosis.gaussian import Linearised, posterior_mean
 from eaclutch.diagnosis.placing import Entries
-from eaclutch.diagnosis.settings import load_thresholds
-from eaclutch.diagnosis.splits import Split, settings_of, splits_of
+from eaclutch.diagnosis.splits import Split, confounded, settings_of, splits_of
 from eaclutch.records import FloatArray
 
 SHOWN = 12  # rows of the table
@@ -60,12 +59,29 @@ class Where:
     observable_p: Mapping[str, float]
 
 
+@dataclass(frozen=True)
+class _Places:
+    """All places that are tested: (observable, split) of each, its weights ``masks`` (places, entries), what is looked
+    for in them, ``excess`` (entries,), and the thresholds file's ``place``."""
+
+    tests: Sequence[tuple[str, Split]]
+    masks: FloatArray
+    excess: FloatArray
+    rules: Mapping[str, float]
+
+    def of(self, name: str) -> tuple[list[int], int | None]:
+        """Indices of an observable's places, and of that which is all of it; None where it has none."""
+        mine = [i for i, (observable, _) in enumerate(self.tests) if observable == name]
+        return mine, next((i for i in mine if self.tests[i][1].factor == "all"), None)
+
+
 def localise(
     data: DataVector,
     cells: Cells,
     errors: FloatArray,
     simulated: FloatArray,
     rng: np.random.Generator,
+    rules: Mapping[str, float],
     explained: Explained | None = None,
 ) -> Where:
     """Find the places.
@@ -74,7 +90,7 @@ def localise(
     (campaigns, entries): the same of campaigns simulated from it. explained: what of these errors the verdict
     accounts for, if there is a gap. Returns rows sorted by share.
     """
-    entries, settings, rules = Entries.of(data), settings_of(data), load_thresholds()["place"]
+    entries, settings = Entries.of(data), settings_of(data)
     bench = len(entries.index) - entries.runs
     names = list(dict.fromkeys([*(channel.name for channel in data.channels), *entries.observable]))
     ratio, null = (entries.excess(data, cells, e) for e in (errors, simulated))
@@ -99,64 +115,49 @@ def localise(
     if explained is not None:
         least = rules["least_share"]
         excess, explained = entries.excess(data, cells, explained.shift), explained.at(entries.index)
-    rows = []
+    places, rows = _Places(tests, masks, excess, rules), []
     for name in names:
         found = (
-            _place(name, tests, masks, excess, p_values, rules)
-            if explained is None
-            else _where_it_acts(name, tests, masks, excess, explained, rules)
+            _place(name, places, p_values) if explained is None else _where_it_acts(name, places, explained)
         )
         if found is not None:
-            test, index = found
+            split, index = found
             at, p_value = errors[entries.index], float(p_values[index])
-            rows.append(entries.row(data, name, test, settings, masks[index], excess, at, p_value, rng))
+            told_by = confounded(split, settings, rules["confounded"])
+            rows.append(entries.row(data, name, split, told_by, masks[index], excess, at, p_value, rng))
     rows = sorted((row for row in rows if row["share"] >= least), key=lambda row: -row["share"])
     return Where(rows[:SHOWN], observable_p)
 
 
-def _place(
-    name: str,
-    tests: Sequence[tuple[str, Split]],
-    masks: FloatArray,
-    excess: FloatArray,
-    p_values: FloatArray,
-    rules: Mapping[str, float],
-) -> tuple[Split, int] | None:
+def _place(name: str, places: _Places, p_values: FloatArray) -> tuple[Split, int] | None:
     """The narrowest place that holds nearly all of an observable's excess, or None without a significant one."""
-    mine, level = [i for i, (observable, _) in enumerate(tests) if observable == name], rules["level"]
-    if not mine or min(p_values[i] for i in mine) > level:
+    (mine, every), rules = places.of(name), places.rules
+    if every is None or min(p_values[i] for i in mine) > rules["level"]:
         return None
-    every = next(i for i in mine if tests[i][1].factor == "all")
+    masks, excess = places.masks, places.excess
     total, cells = float(masks[every] @ excess), float(masks[every].sum())
     best, best_score = every, 1.0
     for i in mine:
         share, part = float(masks[i] @ excess) / max(total, 1e-12), float(masks[i].sum()) / cells
         # concentration against what an even spread would put there; a place must hold most of the gap
-        if p_values[i] <= level and share >= rules["holds"] and part <= rules["nearly_all"]:
+        if p_values[i] <= rules["level"] and share >= rules["holds"] and part <= rules["nearly_all"]:
             score = share**2 / max(part, 0.05)
             if score > (rules["concentration"] if best == every else 1.05) * best_score:
                 best, best_score = i, score
-    if p_values[best] > level:
+    if p_values[best] > rules["level"]:
         best = min(mine, key=lambda i: p_values[i])
-    return tests[best][1], best
+    return places.tests[best][1], best
 
 
-def _where_it_acts(
-    name: str,
-    tests: Sequence[tuple[str, Split]],
-    masks: FloatArray,
-    excess: FloatArray,
-    explained: Explained,
-    rules: Mapping[str, float],
-) -> tuple[Split, int] | None:
+def _where_it_acts(name: str, places: _Places, explained: Explained) -> tuple[Split, int] | None:
     """Where what is known to act on an observable does, or None where it does nothing there.
 
-    excess (entries,): what it does, squared over the repeats' variance. The split whose two means say most of what
+    The excess is what it does, squared over the repeats' variance. The split whose two means say most of what
     calibration leaves of it (of all it does, where less than noise is left), by the side that holds more of the excess
     unless that is nearly all there is; "all" where one mean says nearly as much, or the side holds little of it.
     """
-    mine = [i for i, (observable, _) in enumerate(tests) if observable == name]
-    every = next((i for i in mine if tests[i][1].factor == "all"), None)
+    (mine, every), rules = places.of(name), places.rules
+    masks, excess = places.masks, places.excess
     if every is None or not masks[every] @ excess > 0.0:
         return None
     felt = float(masks[every] @ (explained.left / explained.noise) ** 2)
@@ -168,11 +169,11 @@ def _where_it_acts(
         if 0.0 < part < size:
             said[i] = inside**2 / part + (total - inside) ** 2 / (size - part)
     most = max(said.values())
-    if said[every] >= rules["mean_says"] * most:
-        return tests[every][1], every
-    sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
-    sides = [i for i in sides if masks[i].sum() <= rules["nearly_all"] * size] or sides
-    best = max(sides, key=lambda i: float(masks[i] @ excess))
-    if masks[best] @ excess < rules["side_holds"] * float(masks[every] @ excess):
-        best = every
-    return tests[best][1], best
+    best = every
+    if said[every] < rules["mean_says"] * most:
+        sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
+        sides = [i for i in sides if masks[i].sum() <= rules["nearly_all"] * size] or sides
+        side = max(sides, key=lambda i: float(masks[i] @ excess))
+        if masks[side] @ excess >= rules["side_holds"] * float(masks[every] @ excess):
+            best = side
+    return places.tests[best][1], best

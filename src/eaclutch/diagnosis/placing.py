@@ -6,7 +6,6 @@ width: an effect that biases the gap is seen nowhere else. They lie outside the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -14,7 +13,7 @@ import numpy as np
 
 from eaclutch.diagnosis.cells import Cells
 from eaclutch.diagnosis.data import DataVector
-from eaclutch.diagnosis.splits import Split, confounded
+from eaclutch.diagnosis.splits import Split
 from eaclutch.records import FloatArray
 
 CAPACITANCE = "capacitance_pf"
@@ -76,7 +75,7 @@ class Entries:
         data: DataVector,
         observable: str,
         split: Split,
-        settings: Mapping[str, FloatArray],
+        confounded: list[str],
         mask: FloatArray,
         excess: FloatArray,
         errors: FloatArray,
@@ -96,7 +95,7 @@ class Entries:
             "interval": interval,
             "direction": "+" if mean >= 0 else "-",
             "p_value": float(p_value),
-            "confounded_with": confounded(split, settings),
+            "confounded_with": confounded,
         }
 
     def _share(

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from eaclutch.diagnosis.data import DataVector
-from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.records import FloatArray
 
 FEW_LEVELS = 6  # of a factor that is taken level by level; a level a run would explain anything
@@ -86,10 +85,10 @@ def _entry_average(data: DataVector) -> FloatArray:
     return out
 
 
-def confounded(split: Split, settings: Mapping[str, FloatArray]) -> list[str]:
-    """Factors whose values say (almost) which side of the split a run is on in this campaign's design: by its levels
-    where they are few, else by the best cut between them. Sessions have no order, and are taken one by one as long as
-    each holds two different settings on the average."""
+def confounded(split: Split, settings: Mapping[str, FloatArray], least: float) -> list[str]:
+    """Factors whose values say which side of the split a run is on in this campaign's design (``least`` of its variance
+    or more): by their levels where they are few, else by the best cut between them. Sessions have no order, and are
+    taken one by one as long as each holds two different settings on the average."""
     if split.factor == "all" or np.std(split.member) == 0:
         return []
     designs = len(np.unique(np.column_stack(list(settings.values())), axis=0))
@@ -97,9 +96,7 @@ def confounded(split: Split, settings: Mapping[str, FloatArray]) -> list[str]:
     return sorted(
         factor
         for factor, values in settings.items()
-        if factor != split.factor
-        and _told_by(split.member, values, few.get(factor, FEW_LEVELS))
-        >= load_thresholds()["place"]["confounded"]
+        if factor != split.factor and _told_by(split.member, values, few.get(factor, FEW_LEVELS)) >= least
     )
 
 

@@ -7,13 +7,14 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Any
 
+from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.reporting.results import Results
 from eaclutch.reporting.sentences import closes, gap_words, place_words
 from eaclutch.reporting.words import effect_words, number, observable_words, percent, plain
 
 LEADING = ("shear_capacity_n", "release_time_90_s")  # whose missing values the first screen counts
 MOST_PLACES = 3
-TELLING = 0.02  # nats; runs that promise less tell nothing
+TELLING = load_thresholds()["sentences"]["telling_nats"]
 REASONS = {
     "no_voltage": "the voltage never came on",
     "no_zero": "no stretch without contact: absolute forces hold the session's zero",
