@@ -13,7 +13,8 @@ from eaclutch.diagnosis.refits import CLOSE
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.weigh import UNKNOWN, probabilities, unknown_as
+from eaclutch.diagnosis.verdict import decide
+from eaclutch.diagnosis.weigh import UNKNOWN, left_as, probabilities, unknown_as
 from eaclutch.physics.effects import BASE, LOOKALIKES
 from eaclutch.records import InputError
 
@@ -50,6 +51,59 @@ def test_what_a_lookalike_wins_is_unknowns():
     for found in (behind, level, ahead):
         assert set(found) == {(), ("substrate_inertia",), UNKNOWN}
         assert sum(found.values()) == pytest.approx(1.0)
+
+
+def test_a_name_keeps_what_a_lookalike_explains_beside_it():
+    both = ("edge_wrap", "series_compliance")
+    results = [weighed((), 0.0), weighed(("series_compliance",), 40.0), weighed(("edge_wrap",), 10.0)]
+    results.append(weighed(both, 60.0))
+    pair = probabilities(results, THRESHOLDS)
+    drag = weighed(("series_compliance", "viscous_drag"), 60.0)
+    level = probabilities([*results, drag], THRESHOLDS)
+    ahead = probabilities([*results, replace_evidence(drag, 90.0)], THRESHOLDS)
+    assert left_as([*results, drag], THRESHOLDS, ("series_compliance",)) == "viscous_drag"
+    assert left_as(results, THRESHOLDS, ("series_compliance",)) == ""
+    assert left_as([*results, replace_evidence(drag, 40.0)], THRESHOLDS, ("series_compliance",)) == ""
+    assert pair[both] > 0.9
+    # as probable as another pair, but for what a lookalike is less so beforehand
+    alone = pair["series_compliance",] / pair[both]
+    assert level["series_compliance",] / level[both] - alone == pytest.approx(
+        THRESHOLDS["prior"]["lookalike_share"], rel=1e-6
+    )
+    assert ahead["series_compliance",] > 0.9
+    assert set(ahead) == set(pair)
+    assert sum(ahead.values()) == pytest.approx(1.0)
+
+
+def replace_evidence(result, evidence):
+    return SimpleNamespace(**vars(result) | {"log_evidence": evidence})
+
+
+def test_a_drag_beside_a_soft_train_is_no_edge_wrap():
+    given = inputs(
+        ("series_compliance", "viscous_drag"),
+        {
+            "series_compliance.compliance": 2.5e-5,
+            "series_compliance.film_share": 0.9,
+            "viscous_drag.drag": 0.6,
+        },
+    )
+    study = Study(replace(given, candidates=("edge_wrap", "series_compliance")), THRESHOLDS, seed=3)
+    study.lookalikes = ("viscous_drag", "wet_film")
+    found = with_pairs(study, [study.weigh(())] + [study.weigh((name,)) for name in study.candidates], 1)
+    assert {r.effects for r in found} >= {
+        ("series_compliance", "viscous_drag"),
+        ("edge_wrap", "series_compliance"),
+    }
+    weights = probabilities(found, THRESHOLDS)
+    verdict = decide(weights, found, THRESHOLDS)
+    assert verdict.effects == ("series_compliance",)
+    assert "what it leaves looks most like grease or moisture under the strip" in verdict.why
+    without = [r for r in found if r.effects != ("series_compliance", "viscous_drag")]
+    assert decide(probabilities(without, THRESHOLDS), without, THRESHOLDS).effects == (
+        "edge_wrap",
+        "series_compliance",
+    )
 
 
 def test_it_speaks_for_unknown_where_it_beats_the_nameless_terms():

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from diagnosis.simulated import CONDITIONS, inputs
+from eaclutch.diagnosis.counted import counted_evidence
 from eaclutch.diagnosis.pairs import _leaders, weigh_pairs
 from eaclutch.diagnosis.refits import CLOSE, Fit, afresh, weigh_fit, worth_again
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.starts import scout, scout_shifts
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.weigh import counted_evidence
 from eaclutch.physics.effects import BASE
 
 KNOWN = tuple(effect for effect in BASE if effect != "load_cell_dynamics")

@@ -1,5 +1,6 @@
-"""Pairs of effects: screened by their signatures, fitted only where two may explain more than one. Sets of three are
-weighed only where a base effect that the model leaves out stands beside the pair that leads."""
+"""Pairs of effects: screened by their signatures, fitted only where two may explain more than one. A leading pair's
+effects are each weighed beside lookalikes, too. Sets of three are weighed only where a base effect that the model
+leaves out stands beside the pair that leads."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from itertools import combinations, product
 
 import numpy as np
 
+from eaclutch.diagnosis.counted import counted_evidence
 from eaclutch.diagnosis.hypothesis import HypothesisFit
 from eaclutch.diagnosis.promises import promises
 from eaclutch.diagnosis.refits import (
@@ -24,7 +26,7 @@ from eaclutch.diagnosis.refits import (
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.diagnosis.spread import Spread
 from eaclutch.diagnosis.study import Study
-from eaclutch.diagnosis.weigh import counted_evidence, probabilities
+from eaclutch.diagnosis.weigh import probabilities
 from eaclutch.physics.effects import BASE
 
 WORTH_A_PAIR = 4.0  # nats that the best single effect must gain
@@ -33,6 +35,7 @@ WORTH_A_LOOK = 1.0  # nats that a lookalike promises where no effect gains anyth
 NEAR = 40.0  # nats behind what leads beyond which no lookalike is fitted once more
 LEADERS = 4  # singles that a second effect is tried on top of, and lookalikes that are fitted once more
 FOREMOST = 3  # of these, some of whose pairs are weighed whatever slopes promise
+BESIDE = 3  # lookalikes that are fitted beside one of a pair's effects
 
 
 def with_pairs(
@@ -58,9 +61,11 @@ def with_pairs(
                 further.append(again(single, best))
         keep_better(spread, results, further, counted)
         lookalikes = _weigh_lookalikes(spread, results + pairs, counted, all_of_them=bool(leaders))
+        beside = _lookalikes_beside(spread, results + pairs, lookalikes)
+        keep_better(spread, beside, afresh(study, beside), counted)
         thirds = spread(_third, _beside_the_lead(study, results + pairs))
         keep_better(spread, thirds, afresh(study, thirds), counted)
-    return results + pairs + lookalikes + thirds
+    return results + pairs + lookalikes + beside + thirds
 
 
 def _leaders(results: Sequence[CandidateResult], counted: Counted) -> list[int]:
@@ -136,6 +141,31 @@ def _weigh_lookalikes(
     return lookalikes
 
 
+def _lookalikes_beside(
+    spread: Spread, results: Sequence[CandidateResult], lookalikes: Sequence[CandidateResult]
+) -> list[CandidateResult]:
+    """What a leading pair's second effect must hold against: those lookalikes that promise most beside the other one,
+    fitted there."""
+    study = spread.study
+    weights = probabilities([*results, *lookalikes], study.thresholds)
+    pairs = [r for r in results if len(r.effects) == 2]
+    lead = max(pairs, key=lambda r: weights[r.effects], default=None)
+    if lead is None or weights[lead.effects] < study.thresholds["verdict"]["smallest_alternative"]:
+        return []
+    alone = {r.effects[0]: r for r in [*results, *lookalikes] if len(r.effects) == 1}
+    firsts = [alone[name] for name in lead.effects if name in alone]
+    promised = {
+        (first.effects[0], name): (first.log_evidence + gain, fitted)
+        for first, (fitted, gains) in zip(firsts, spread(_promises_of_lookalikes, firsts), strict=True)
+        for name, gain in gains.items()
+    }
+    best = sorted(promised, key=lambda both: -promised[both][0])[:BESIDE]
+    fits = [
+        Fit(tuple(sorted(both)), seeds_of([alone[name] for name in both]), promised[both][1]) for both in best
+    ]
+    return spread(weigh_fit, fits)
+
+
 def _beside_the_lead(study: Study, results: Sequence[CandidateResult]) -> list[tuple[CandidateResult, ...]]:
     """Where a pair of candidates leads: the pair and, one at a time, the base effects that the model leaves out."""
     weights = probabilities(results, study.thresholds)
@@ -156,3 +186,9 @@ def _promises(study: Study, leader: CandidateResult) -> tuple[HypothesisFit, dic
     """A leader's fit, and what each further effect promises on top of it."""
     fitted = study.fit(leader.effects, seeds_of([leader]))
     return fitted, promises(study, fitted, study.candidates)
+
+
+def _promises_of_lookalikes(study: Study, leader: CandidateResult) -> tuple[HypothesisFit, dict[str, float]]:
+    """The same of each lookalike."""
+    fitted = study.fit(leader.effects, seeds_of([leader]))
+    return fitted, promises(study, fitted, study.lookalikes)

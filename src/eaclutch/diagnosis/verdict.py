@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from eaclutch.diagnosis.result import CandidateResult
-from eaclutch.diagnosis.weigh import NONE, UNKNOWN, unknown_as
+from eaclutch.diagnosis.weigh import NONE, UNKNOWN, left_as, unknown_as
 from eaclutch.physics.effects import BASE, EFFECTS
 
 Effects = tuple[str, ...]
@@ -54,7 +54,8 @@ def decide(
         if weights[three] >= rules["smallest_alternative"]
     ]
     words = ", ".join([f"{probability:.2f}", *more])
-    sentence = _sentence(first, words, alternatives, fitted, rules, notes, like)
+    left = left_as(results, thresholds, first)
+    sentence = _sentence(first, words, alternatives, fitted, rules, notes, like, left)
     return Verdict(first, probability, tuple(alternatives), sentence, like)
 
 
@@ -83,6 +84,7 @@ def _sentence(
     rules: Mapping[str, Any],
     notes: Sequence[str],
     like: str,
+    left: str,
 ) -> str:
     if first == NONE:
         text = "no gap beyond repeatability, session spread and the base laws' tolerance"
@@ -93,6 +95,8 @@ def _sentence(
     text += f" (probability {probability})"
     if first not in (NONE, UNKNOWN) and fitted[first].adequate_p < rules["adequate_p_value"]:
         text += f"; a part remains that it does not explain (p = {fitted[first].adequate_p:.2g} that noise makes it)"
+    if left:
+        text += f"; what it leaves looks most like {EFFECTS[left].summary}"
     if alternatives:
         text += "; cannot be ruled out: " + ", ".join(in_words(a) for a in alternatives)
         if like and UNKNOWN in alternatives:

@@ -7,7 +7,8 @@ correction, and the development set says how much.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
@@ -15,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.special import expit, logsumexp
 
-from eaclutch.diagnosis.free_swing import OSCILLATOR
+from eaclutch.diagnosis.counted import counted_evidence
 from eaclutch.diagnosis.result import CandidateResult
 from eaclutch.physics.effects import BASE, CANDIDATES, LOOKALIKES
 from eaclutch.records import FloatArray
@@ -40,7 +41,8 @@ def probabilities(
     block is given up. Of the nats by which the best name beats the nameless terms only a part counts
     (``against_unknown``): these stand for all laws that nobody wrote down, and such a law may look more like a
     library effect than like them. Lookalikes, each less probable beforehand than an effect of the library
-    (``lookalike_share``, ``odds``), are written down, and count in full; what they win is ``unknown``'s. And a name
+    (``lookalike_share``, ``odds``), are written down, and count in full; what they win is ``unknown``'s, and the
+    name's beside which one was fitted. And a name
     whose fit fails the absolute check, or that leaves what a nameless remainder gains ``misfit_remainder`` nats by,
     gives ``misfit_share`` of its probability to ``unknown``, for evidence only says who is best, and more
     (``partly``) where it surely leaves much of a large gap on conditions left out (``left``: how many times the
@@ -49,11 +51,16 @@ def probabilities(
     to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no effect
     of the library does that.
     """
-    score, nameless, lookalikes = _scores(results, thresholds)
-    best = max((x for effects, x in score.items() if effects), default=-np.inf)
+    scores = _scores(results, thresholds)
+    # a name that leaves what a lookalike explains is still the cause, as one that leaves a nameless remainder
+    score = {
+        effects: float(logsumexp([x, *scores.beside.get(effects, {}).values()]))
+        for effects, x in scores.named.items()
+    }
+    nameless, best = scores.nameless, max((x for effects, x in score.items() if effects), default=-np.inf)
     if best > nameless:
         nameless = best - float(thresholds["against_unknown"]) * (best - nameless)
-    score[UNKNOWN] = float(logsumexp([nameless, *lookalikes.values()]))
+    score[UNKNOWN] = float(logsumexp([nameless, *scores.lookalikes.values()]))
     found = dict(
         zip(score, np.exp(list(score.values()) - logsumexp(list(score.values()))).tolist(), strict=True)
     )
@@ -130,65 +137,51 @@ def log_prior(effects: Sequence[str], names: Sequence[str], prior: Mapping[str, 
 
 def unknown_as(results: Sequence[CandidateResult], thresholds: Mapping[str, Any]) -> str:
     """The lookalike that says best what ``unknown`` would be, empty where the nameless terms do."""
-    _, nameless, lookalikes = _scores(results, thresholds)
-    best = max(lookalikes, key=lambda name: lookalikes[name], default="")
-    return best if best and lookalikes[best] > nameless else ""
+    scores = _scores(results, thresholds)
+    best = max(scores.lookalikes, key=lambda name: scores.lookalikes[name], default="")
+    return best if best and scores.lookalikes[best] > scores.nameless else ""
 
 
-def _scores(
-    results: Sequence[CandidateResult], thresholds: Mapping[str, Any]
-) -> tuple[dict[tuple[str, ...], float], float, dict[str, float]]:
+def left_as(results: Sequence[CandidateResult], thresholds: Mapping[str, Any], effects: Sequence[str]) -> str:
+    """The lookalike beside which the name ``effects`` (one effect) is more probable than by itself, the best of them;
+    empty where none is."""
+    scores = _scores(results, thresholds)
+    beside = scores.beside.get(tuple(effects), {})
+    best = max(beside, key=lambda name: beside[name], default="")
+    return best if best and beside[best] > scores.named[tuple(effects)] else ""
+
+
+@dataclass(frozen=True)
+class _Scores:
     """Log of posterior odds, up to a constant: of each set that may be named (and of none), of the nameless terms, of
-    each lookalike."""
+    each lookalike by itself, and of each name with a lookalike beside it, {name: {lookalike: score}}."""
+
+    named: dict[tuple[str, ...], float]
+    nameless: float
+    lookalikes: dict[str, float]
+    beside: dict[tuple[str, ...], dict[str, float]]
+
+
+def _scores(results: Sequence[CandidateResult], thresholds: Mapping[str, Any]) -> _Scores:
     prior = thresholds["prior"]
-    rivals = [r for r in results if set(r.effects) & set(LOOKALIKES)]
-    own = [r for r in results if r not in rivals]
-    names = [r.effects[0] for r in own if len(r.effects) == 1]
+    alike = {r.effects: sorted(set(r.effects) & set(LOOKALIKES)) for r in results}
+    names = [r.effects[0] for r in results if len(r.effects) == 1 and not alike[r.effects]]
     counted, temperature = counted_evidence(results, thresholds), float(thresholds["temperature"])
-
-    def score(result: CandidateResult) -> float:
-        return counted(result) / temperature + log_prior(result.effects, names, prior)
-
+    less = float(np.log(prior["lookalike_share"]))
     nameless = max(r.log_evidence_without_open for r in results) / temperature + float(
         np.log(prior["unknown"])
     )
-    less = float(np.log(prior["lookalike_share"]))
-    return {r.effects: score(r) for r in own}, nameless, {r.effects[0]: score(r) + less for r in rivals}
-
-
-def counted_evidence(
-    results: Sequence[CandidateResult], thresholds: Mapping[str, Any]
-) -> Callable[[CandidateResult], float]:
-    """What of a result's evidence [nats] counts beside ``results`` (as they are when it is asked), as ``probabilities``
-    compares them: with a nameless remainder where one is allowed, and of the base model where it was fitted best.
-
-    Around a gap that no fit closes within the usual tolerances a remainder takes up what a name leaves, nearly
-    whatever that is, and evidences rest on where fits ended. What a name does for conditions left out counts there
-    as well: ``narrowing_weight`` nats for each e-fold of the gap left out, over the name that would lead without."""
-    cost = float(thresholds["remainder_cost"])
-    slack = 1.0 + float(thresholds["pair_widening"])
-    usual, weight = (
-        max(thresholds["multipliers"]["tolerance"]["values"]),
-        float(thresholds["narrowing_weight"]),
-    )
-
-    def plain(result: CandidateResult) -> float:
-        if not result.effects:
-            return max(r.log_evidence_without for r in results)
-        # the gap holds no swings: what narrows without the oscillator says nothing against it
-        smaller = [r for r in results if set(r.effects) < set(result.effects)
-                   and OSCILLATOR not in set(result.effects) - set(r.effects)]  # fmt: skip
-        if any(r.gap_left_out * (slack if r.effects else 1.0) < result.gap_left_out for r in smaller):
-            return result.log_evidence
-        return float(np.logaddexp(result.log_evidence, result.log_evidence_open - cost))
-
-    def counted(result: CandidateResult) -> float:
-        if not (result.effects and result.multipliers[0] > usual and result.gap_left_out > 0):
-            return plain(result)
-        lead = max((r for r in results if r.effects and r.gap_left_out > 0), key=plain, default=result)
-        return plain(result) + weight * float(np.log(lead.gap_left_out / result.gap_left_out))
-
-    return counted
+    found = _Scores({}, nameless, {}, {})
+    for r in results:
+        score = counted(r) / temperature + log_prior(r.effects, names, prior) + less * len(alike[r.effects])
+        if not alike[r.effects]:
+            found.named[r.effects] = score
+        elif len(r.effects) == 1:
+            found.lookalikes[r.effects[0]] = score
+        else:
+            name = tuple(effect for effect in r.effects if effect not in alike[r.effects])
+            found.beside.setdefault(name, {})[alike[r.effects][0]] = score
+    return found
 
 
 def by_effect(weights: Mapping[tuple[str, ...], float]) -> dict[str, float]:

@@ -1,0 +1,46 @@
+"""What of the evidence of a hypothesis counts beside the others: a nameless remainder, and how far it narrows a gap."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from eaclutch.diagnosis.free_swing import OSCILLATOR
+from eaclutch.diagnosis.result import CandidateResult
+
+
+def counted_evidence(
+    results: Sequence[CandidateResult], thresholds: Mapping[str, Any]
+) -> Callable[[CandidateResult], float]:
+    """What of a result's evidence [nats] counts beside ``results`` (as they are when it is asked), as ``probabilities``
+    compares them: with a nameless remainder where one is allowed, and of the base model where it was fitted best.
+
+    Around a gap that no fit closes within the usual tolerances a remainder takes up what a name leaves, nearly
+    whatever that is, and evidences rest on where fits ended. What a name does for conditions left out counts there
+    as well: ``narrowing_weight`` nats for each e-fold of the gap left out, over the name that would lead without."""
+    cost = float(thresholds["remainder_cost"])
+    slack = 1.0 + float(thresholds["pair_widening"])
+    usual, weight = (
+        max(thresholds["multipliers"]["tolerance"]["values"]),
+        float(thresholds["narrowing_weight"]),
+    )
+
+    def plain(result: CandidateResult) -> float:
+        if not result.effects:
+            return max(r.log_evidence_without for r in results)
+        # the gap holds no swings: what narrows without the oscillator says nothing against it
+        smaller = [r for r in results if set(r.effects) < set(result.effects)
+                   and OSCILLATOR not in set(result.effects) - set(r.effects)]  # fmt: skip
+        if any(r.gap_left_out * (slack if r.effects else 1.0) < result.gap_left_out for r in smaller):
+            return result.log_evidence
+        return float(np.logaddexp(result.log_evidence, result.log_evidence_open - cost))
+
+    def counted(result: CandidateResult) -> float:
+        if not (result.effects and result.multipliers[0] > usual and result.gap_left_out > 0):
+            return plain(result)
+        lead = max((r for r in results if r.effects and r.gap_left_out > 0), key=plain, default=result)
+        return plain(result) + weight * float(np.log(lead.gap_left_out / result.gap_left_out))
+
+    return counted
