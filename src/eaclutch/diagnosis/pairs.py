@@ -161,7 +161,8 @@ def _lookalikes_beside(
     }
     best = sorted(promised, key=lambda both: -promised[both][0])[:BESIDE]
     fits = [
-        Fit(tuple(sorted(both)), seeds_of([alone[name] for name in both]), promised[both][1]) for both in best
+        Fit(tuple(sorted(both)), seeds_of([alone[name] for name in both if name in alone]), promised[both][1])
+        for both in best
     ]
     return spread(weigh_fit, fits)
 
