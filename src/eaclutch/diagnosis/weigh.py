@@ -42,14 +42,13 @@ def probabilities(
     (``against_unknown``): these stand for all laws that nobody wrote down, and such a law may look more like a
     library effect than like them. Lookalikes, each less probable beforehand than an effect of the library
     (``lookalike_share``, ``odds``), are written down, and count in full; what they win is ``unknown``'s, and the
-    name's beside which one was fitted. And a name
-    whose fit fails the absolute check, or that leaves what a nameless remainder gains ``misfit_remainder`` nats by,
-    gives ``misfit_share`` of its probability to ``unknown``, for evidence only says who is best, and more
-    (``partly``) where it surely leaves much of a large gap on conditions left out (``left``: how many times the
-    base model's). So does one that surely widens that by far (``widening``). The odds of ``unknown`` against all
-    that may be named are corrected last (``unknown_odds``); no effect keeps its probability, but for what it gives
-    to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no effect
-    of the library does that.
+    name's beside which one was fitted. And a name whose fit fails the absolute check, or that leaves what a nameless
+    remainder gains ``misfit_remainder`` nats by, gives ``misfit_share`` of its probability to ``unknown``, for
+    evidence only says who is best, and more (``partly``) where it surely leaves much of a large gap on conditions left
+    out (``left``: how many times the base model's). So does one that surely widens that by far (``widening``). The
+    odds of ``unknown`` against all that may be named are corrected last (``unknown_odds``); no effect keeps its
+    probability, but for what it gives to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what
+    drifts is no scatter, and no effect of the library does that.
     """
     scores = _scores(results, thresholds)
     # a name that leaves what a lookalike explains is still the cause, as one that leaves a nameless remainder
