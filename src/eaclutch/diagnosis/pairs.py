@@ -100,7 +100,8 @@ def weigh_pairs(spread: Spread, singles: Sequence[CandidateResult], limit: int) 
         return []
     promised: dict[tuple[str, str], tuple[float, HypothesisFit]] = {}
     leaders = named[:LEADERS]
-    for leader, (fitted, gains) in zip(leaders, spread(_promises, leaders), strict=True):
+    asked = [(leader, spread.study.candidates) for leader in leaders]
+    for leader, (fitted, gains) in zip(leaders, spread(_promises, asked), strict=True):
         for name, gain in gains.items():
             first, second = sorted((leader.effects[0], name))
             promise = leader.log_evidence + gain
@@ -154,9 +155,10 @@ def _lookalikes_beside(
         return []
     alone = {r.effects[0]: r for r in [*results, *lookalikes] if len(r.effects) == 1}
     firsts = [alone[name] for name in lead.effects if name in alone]
+    asked = [(first, study.lookalikes) for first in firsts]
     promised = {
         (first.effects[0], name): (first.log_evidence + gain, fitted)
-        for first, (fitted, gains) in zip(firsts, spread(_promises_of_lookalikes, firsts), strict=True)
+        for first, (fitted, gains) in zip(firsts, spread(_promises, asked), strict=True)
         for name, gain in gains.items()
     }
     best = sorted(promised, key=lambda both: -promised[both][0])[:BESIDE]
@@ -183,13 +185,10 @@ def _third(study: Study, members: tuple[CandidateResult, ...]) -> CandidateResul
     return study.weigh(tuple(sorted((*pair.effects, *single.effects))), seeds_of(members), fitted)
 
 
-def _promises(study: Study, leader: CandidateResult) -> tuple[HypothesisFit, dict[str, float]]:
-    """A leader's fit, and what each further effect promises on top of it."""
+def _promises(
+    study: Study, asked: tuple[CandidateResult, Sequence[str]]
+) -> tuple[HypothesisFit, dict[str, float]]:
+    """A leader's fit, and what each of the further effects asked for promises on top of it."""
+    leader, names = asked
     fitted = study.fit(leader.effects, seeds_of([leader]))
-    return fitted, promises(study, fitted, study.candidates)
-
-
-def _promises_of_lookalikes(study: Study, leader: CandidateResult) -> tuple[HypothesisFit, dict[str, float]]:
-    """The same of each lookalike."""
-    fitted = study.fit(leader.effects, seeds_of([leader]))
-    return fitted, promises(study, fitted, study.lookalikes)
+    return fitted, promises(study, fitted, names)

@@ -170,17 +170,19 @@ def _scores(results: Sequence[CandidateResult], thresholds: Mapping[str, Any]) -
     nameless = max(r.log_evidence_without_open for r in results) / temperature + float(
         np.log(prior["unknown"])
     )
-    found = _Scores({}, nameless, {}, {})
+    named: dict[tuple[str, ...], float] = {}
+    lookalikes: dict[str, float] = {}
+    beside: dict[tuple[str, ...], dict[str, float]] = {}
     for r in results:
         score = counted(r) / temperature + log_prior(r.effects, names, prior) + less * len(alike[r.effects])
         if not alike[r.effects]:
-            found.named[r.effects] = score
+            named[r.effects] = score
         elif len(r.effects) == 1:
-            found.lookalikes[r.effects[0]] = score
+            lookalikes[r.effects[0]] = score
         else:
             name = tuple(effect for effect in r.effects if effect not in alike[r.effects])
-            found.beside.setdefault(name, {})[alike[r.effects][0]] = score
-    return found
+            beside.setdefault(name, {})[alike[r.effects][0]] = score
+    return _Scores(named, nameless, lookalikes, beside)
 
 
 def by_effect(weights: Mapping[tuple[str, ...], float]) -> dict[str, float]:
