@@ -214,7 +214,7 @@ def test_a_table_without_usable_runs_is_refused():
 
 
 def test_what_an_effect_explains_between_sessions_is_no_noise():
-    drift = {"session_drift.offset_1": 0.4, "session_drift.friction_share": 0.0}
+    drift = {"session_drift.offset_2": 0.4, "session_drift.friction_share": 0.0}
     given = replace(inputs(("session_drift",), drift), candidates=("session_drift",))
     study = Study(given, load_thresholds(), seed=3)
     after = study.weigh(("session_drift",))

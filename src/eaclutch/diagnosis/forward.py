@@ -19,6 +19,8 @@ from eaclutch.records import FloatArray
 # A run that the model cannot follow (it pulls in, or never slips, while the bench measured a time) stands
 # this far off on the comparison scale: bad, finite, and the same for every hypothesis.
 UNPREDICTED = 0.5
+# How a campaign's only session differs from others is the force multiplier's and the friction's to say.
+ONLY_SESSION = "session_drift.offset_1"
 UNDAMPED = 1e-6  # damping ratio; a fit may go to the bound of no damping, which has no logarithm
 
 
@@ -41,7 +43,9 @@ class Forward:
         self.readings = Readings.of(data)
         self.held: tuple[Parameter, ...] = ()
         if self.candidates:
-            idle = self._idle([p for p in free if self.own(p.name)])
+            own = [p for p in free if self.own(p.name)]
+            only = {ONLY_SESSION} if len(set(data.conditions.session)) < 2 else set()
+            idle = only | self._idle([p for p in own if p.name not in only])
             self.held = tuple(p for p in free if p.name in idle)
             free = [p for p in free if p.name not in idle]
         self.priors = Priors.of((*free, *self.readings.parameters))

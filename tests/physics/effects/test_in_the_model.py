@@ -107,8 +107,8 @@ def test_a_part_of_a_campaign_keeps_its_sessions(runs: RunConditions):
     """Offsets belong to the campaign's sessions, whatever runs are predicted together, and one run's history too."""
     model = ClutchModel(BENCH, (*BASE, "session_drift"))
     drift = {
-        "session_drift.offset_1": 0.3,
-        "session_drift.offset_2": -0.3,
+        "session_drift.offset_2": 0.3,
+        "session_drift.offset_3": -0.3,
         "session_drift.friction_share": 0.0,
     }
     whole = model.predict(runs, drift, ("shear_capacity_n",)).values["shear_capacity_n"]

@@ -109,7 +109,7 @@ CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
     ),
     # exp(0.75 * 0.2) on the force, exp(0.25 * 0.2) on friction, in the second session only
     "session_drift": (
-        {"offset_1": 0.2, "offset_2": -0.9, "friction_share": 0.25},
+        {"offset_2": 0.2, "offset_3": -0.9, "friction_share": 0.25},
         {
             "force_factor": [1.0, 1.0, 1.16183424, 1.16183424],
             "friction_factor": [1.0, 1.0, 1.05127110, 1.05127110],
@@ -320,5 +320,5 @@ def test_where_all_friction_differs_the_walls_still_add_up_to_the_friction_befor
 
 def test_sessions_beyond_the_last_offset_share_it(fill, inputs):
     object.__setattr__(inputs, "session_index", np.array([0, 6, 7, 12]))
-    filled = fill("session_drift", offset_6=0.1, offset_7=0.3, friction_share=0.0)
-    np.testing.assert_allclose(filled.force_factor, np.exp([0.0, 0.1, 0.3, 0.3]))
+    filled = fill("session_drift", offset_1=-0.2, offset_7=0.1, offset_8=0.3, friction_share=0.0)
+    np.testing.assert_allclose(filled.force_factor, np.exp([-0.2, 0.1, 0.3, 0.3]))

@@ -1,6 +1,6 @@
-"""Session drift: mounting, humidity and wear make a session differ from the first one.
+"""Session drift: mounting, humidity and wear make a session differ from the next.
 
-Session s has an offset d_s (0 for the first in time). It multiplies the electroadhesive force by
+Each session s has an offset d_s from what the bench is otherwise. It multiplies the electroadhesive force by
 exp((1 - c) d_s) and all friction coefficients by exp(c d_s), c the share that friction takes.
 """
 
@@ -17,7 +17,7 @@ from eaclutch.records import FloatArray
 
 def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) -> Sockets:
     """force_factor and friction_factor of each run's session."""
-    offset = inputs.of_session([0.0, *(values[f"offset_{number}"] for number in range(1, SESSIONS))])
+    offset = inputs.of_session([values[f"offset_{number + 1}"] for number in range(SESSIONS)])
     share = np.asarray(values["friction_share"])
     return sockets.with_(
         force_factor=sockets.force_factor * np.exp((1.0 - share) * offset),
@@ -27,8 +27,8 @@ def apply(sockets: Sockets, inputs: Inputs, values: Mapping[str, FloatArray]) ->
 
 def _draw(rng: np.random.Generator) -> dict[str, float]:
     sd = rng.uniform(0.1, 0.35)
-    offsets = np.clip(rng.normal(0.0, sd, SESSIONS - 1), -0.99, 0.99)
-    drawn = {f"offset_{number}": float(offsets[number - 1]) for number in range(1, SESSIONS)}
+    offsets = np.clip(rng.normal(0.0, sd, SESSIONS), -0.99, 0.99)
+    drawn = {f"offset_{number + 1}": float(offsets[number]) for number in range(SESSIONS)}
     return drawn | {"friction_share": float(rng.uniform(0.0, 1.0))}
 
 
@@ -37,14 +37,14 @@ EFFECT = Effect(
     role="candidate",
     stage="session",
     action="multiplies",
-    summary="mounting, humidity, wear: a session differs from the first",
+    summary="mounting, humidity, wear: a session differs from the next",
     parameters=(
         *(
             Parameter(
-                f"offset_{number}", "1", (-1.0, 1.0), 0.0, Prior("normal", 0.0, 0.2), neutral=0.0,
-                description=f"log offset of session {number + 1} in order of time against the first",
+                f"offset_{number + 1}", "1", (-1.0, 1.0), 0.0, Prior("normal", 0.0, 0.2), neutral=0.0,
+                description=f"log offset of session {number + 1} in order of time",
             )
-            for number in range(1, SESSIONS)
+            for number in range(SESSIONS)
         ),
         Parameter(
             "friction_share", "1", (0.0, 1.0), 0.3, Prior("uniform", 0.0, 1.0),
