@@ -3,8 +3,9 @@
     python benchmarks/constants_known.py --seed 20302 --work constants --each 6
 
 Simulated campaigns of the open namespace of ``eaclutch.blind`` with one effect each, at 2-4 times
-config/blind_limits.json; the effect is told, so that this counts intervals and not names. In one of ten the contact law
-is another one in part: all are counted, and once more those where it holds. Each case is kept as soon as it is done.
+config/blind_limits.json; the effect is told, so that this counts intervals and not names. The contact law is free, as
+in what a diagnosis says of them. In one of ten it is another one in part: all are counted, and once more those where it
+holds. Each case is kept as soon as it is done.
 ``--record`` writes docs/measurements/constants_known.json.
 """
 
@@ -22,6 +23,7 @@ from nameless import share
 from open_campaigns import Job, asked_singles, for_each, made
 from scipy.special import ndtri
 
+from eaclutch.diagnosis.contact_law import fit_contact_law
 from eaclutch.diagnosis.hypothesis import HypothesisFit
 from eaclutch.files import read_json, write_json
 
@@ -52,8 +54,10 @@ def fit_case(job: Job) -> None:
         return
     answer, study = made(job)
     effects = tuple(name for name, _ in entry.effects)
-    fits = {"before": study.base, "after": study.fit(effects)}
-    found = {when: errors(fit, answer["parameters"]) for when, fit in fits.items()}
+    found = {}
+    for when, fit in {"before": study.base, "after": study.fit(effects)}.items():
+        free = fit_contact_law(study, fit.effects, fit.parameters, fit.multipliers)
+        found[when] = errors(free, answer["parameters"])
     write_json(target, {"effects": list(effects), **found})
 
 

@@ -38,6 +38,20 @@ def test_contact_integral_is_its_definition(x):
     assert laws.greenwood_williamson(x) == pytest.approx(direct, rel=1e-9)
 
 
+def test_contact_law_bends_towards_exponential_heights():
+    x = np.linspace(-6.0, 14.0, 401)
+    log_load = np.log(laws.greenwood_williamson(x))
+    assert np.array_equal(laws.bent(log_load, 0.0), log_load)
+    # it still lifts less the wider the gap, however far the parameter's bounds let it bend
+    assert all(np.all(np.diff(laws.bent(log_load, bend)) < 0) for bend in (-1.0, 1.5))
+    # 0.80 is a straight line of G's slope at two roughnesses, as far as a clutch's gap goes
+    near = np.linspace(1.5, 3.0, 31)
+    straight = laws.BEND_LOG_LOAD + laws.BEND_SLOPE * (near - 2.0)
+    bent = laws.bent(np.log(laws.greenwood_williamson(near)), 0.80)
+    assert bent == pytest.approx(straight, abs=0.03)
+    assert np.log(laws.greenwood_williamson(near)) != pytest.approx(straight, abs=0.2)
+
+
 def test_step_response_has_its_closed_form_at_one_half():
     # E_1/2(-sqrt y) = exp(y) erfc(sqrt y)
     for y in (1e-4, 0.3, 5.0, 200.0):

@@ -13,7 +13,7 @@ from eaclutch.physics.prediction import OBSERVABLES, PART, Status
 from eaclutch.records import Bench, InputError, Pad, Substrate
 
 
-def _at_rest(volt, freq, width, thick):
+def _at_rest(volt, freq, width, thick, bend=0.0):
     """(preload, gap before, gap driven, capacity) by quadrature and brentq, no table and no kernel."""
     strip = 8049.0 * 0.1 * width * thick
     film = 1780.0 * 24e-6 * 55.5e-3 * width
@@ -23,22 +23,23 @@ def _at_rest(volt, freq, width, thick):
 
     def balance(h, pull):
         average = laws.roughness_average(h, 24e-6 / kappa, 2.8e-6)
-        lift = float(laws.contact_force(h, 5.4e14, 2.8e-6, 55.5e-3, width))
+        lift = float(laws.contact_force(h, 5.4e14, 2.8e-6, 55.5e-3, width, bend))
         return lift - preload - 9.81 * film - pull * scale * average
 
     before = brentq(lambda h: balance(h, 0.0), 1e-6, 2e-5, xtol=1e-16)
     driven = brentq(lambda h: balance(h, 1.0), 1e-6, before, xtol=1e-16)
-    lift = float(laws.contact_force(driven, 5.4e14, 2.8e-6, 55.5e-3, width))
+    lift = float(laws.contact_force(driven, 5.4e14, 2.8e-6, 55.5e-3, width, bend))
     return preload, before, driven, 0.281 * (9.81 * (film + strip) + preload) + 0.188 * lift
 
 
-def test_gaps_and_capacity_against_the_definitions(model, runs):
+@pytest.mark.parametrize("bend", [0.0, -0.4, 0.6])
+def test_gaps_and_capacity_against_the_definitions(model, runs, bend):
     conditions = runs(
         voltage=[300.0, 150.0], frequency=[1e3, 0.1], width=[2e-3, 6e-3], thickness=[2e-3, 3e-3]
     )
-    p = model.predict(conditions)
+    p = model.predict(conditions, {"contact_law_bend": bend})
     for i, run in enumerate([(300, 1e3, 2e-3, 2e-3), (150, 0.1, 6e-3, 3e-3)]):
-        preload, before, driven, capacity = _at_rest(*run)
+        preload, before, driven, capacity = _at_rest(*run, bend)
         assert p.state["preload"][0, i] == pytest.approx(preload, rel=1e-9)
         assert p.state["gap_before"][0, i] == pytest.approx(before, rel=1e-7)
         assert p.state["gap_driven"][0, i] == pytest.approx(driven, rel=1e-6)

@@ -56,7 +56,7 @@ def diagnose_case(
     named = tuple(document["verdict"]["effects"])
     after = next((result for result in found if set(result.effects) == set(named)), found[0])
     document_without = _without(study, found)
-    parameters = {"before": dict(found[0].calibrated), "after": dict(after.calibrated)}
+    parameters = {"before": study.constants(found[0]), "after": study.constants(after)}
     sides = {"parameters": parameters, "without": document_without}
     named_fits = [result for result in found if not set(result.effects) & set(study.lookalikes)]
     return document, sides, _fits(study, named_fits), time.monotonic() - start

@@ -148,11 +148,11 @@ def by_observable(cells: Cells, base: CandidateResult, after: CandidateResult, s
     return found
 
 
-def absorbed(base: CandidateResult, after: CandidateResult) -> dict[str, Any]:
-    """How far each calibrated parameter moved back when the verdict's effects were added."""
+def absorbed(before: Mapping[str, Any], after: Mapping[str, Any]) -> dict[str, Any]:
+    """How far each calibrated parameter, {name: {mean, sd, unit}}, moved back when the verdict's effects were added."""
     found = {}
-    for name, entry in base.calibrated.items():
-        later = after.calibrated.get(name)
+    for name, entry in before.items():
+        later = after.get(name)
         if later is None:
             continue
         sd = max(float(entry["sd"]), 1e-300)

@@ -10,6 +10,7 @@ import numpy as np
 
 from eaclutch.diagnosis.causes import causes
 from eaclutch.diagnosis.closure import absorbed, by_observable, gap_numbers, surely_left, total_gap, widened
+from eaclutch.diagnosis.contact_law import other_contact_law
 from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.gate import simulate_null
 from eaclutch.diagnosis.gaussian import Linearised, leave_out, log_normal
@@ -40,8 +41,11 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
     largest = max([best, *built_on(best, weights)], key=lambda effects: weights[effects])
     notes = [*caveats(study), *far_apart(study, results, best), *stopped(results, largest)]
     notes += [*widened(study, results, best), *withheld(study, results, largest)]
+    # the result whose predictions count as "after": the verdict's, the base model's where none is named
+    after = next((r for r in results if r.effects == best), base)
+    if best != UNKNOWN:  # the base model would bend with whatever that is
+        notes += other_contact_law(study.constants(after), study.thresholds)
     verdict = decide(weights, results, study.thresholds, notes)
-    after = _after(verdict, results, base)
     strict = study.kernels.total(tolerance=0.0, session=session_spread(study, after), scatter=False)
     strict += np.diag(study.repeat_variance - study.kernels.noise_variance)
     null = simulate_null(linearised, strict, study.generator(11), campaigns)
@@ -84,7 +88,7 @@ def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = 
             "alternatives": [list(a) for a in verdict.alternatives], "why": verdict.why,
         },
         "closure": closure,
-        "absorbed": absorbed(base, after),
+        "absorbed": absorbed(study.constants(base), study.constants(after)),
         "next_experiment": next_experiments(study, results, weights),
     }  # fmt: skip
 
@@ -128,11 +132,6 @@ def session_spread(study: Study, after: CandidateResult) -> float:
         log_normal(residual, study.kernels.total(tolerance=tolerance, session=s)) for s in SESSION_SPREADS
     ]
     return min(study.session_spread, SESSION_SPREADS[int(np.argmax(scores))])
-
-
-def _after(verdict: Verdict, results: Sequence[CandidateResult], base: CandidateResult) -> CandidateResult:
-    """The result whose predictions count as "after": the verdict's, the base model's where none is named."""
-    return next((r for r in results if r.effects == verdict.effects), base)
 
 
 def stopped(results: Sequence[CandidateResult], best: tuple[str, ...]) -> list[str]:

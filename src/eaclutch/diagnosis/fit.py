@@ -52,25 +52,13 @@ def fit_hypothesis(
     session) that it begins with, where another fit has found how large the gap is. A fit of the model by itself tries
     other zeros of the load cell from where it ends, that of an effect does not.
     """
-    share = thresholds["signature_tolerance"]
     best: HypothesisFit | None = None
     for _ in range(ROUNDS):
 
-        def covariance_at(theta: FloatArray, size: tuple[float, float] = size) -> FloatArray:
-            tolerance, session = size
-            if not forward.candidates:
-                return kernels.total(tolerance=tolerance, session=session)
-            form = form_signature(forward, theta)
-            return kernels.total(
-                tolerance=tolerance, session=session, signature=form, signature_tolerance=share
-            )
-
         def highest(
-            begin: Sequence[FloatArray],
-            best: HypothesisFit | None,
-            size: tuple[float, float] = size,
-            covariance_at: Callable[[FloatArray], FloatArray] = covariance_at,
+            begin: Sequence[FloatArray], best: HypothesisFit | None, size: tuple[float, float] = size
         ) -> HypothesisFit:
+            covariance_at = _covariance(forward, kernels, thresholds, size)
             # most of it is simulation in compiled code, in which other threads go on
             with ThreadPoolExecutor(threads()) as pool:
                 modes = list(
@@ -99,6 +87,29 @@ def fit_hypothesis(
     return best
 
 
+def fit_from(
+    forward: Forward,
+    data: DataVector,
+    kernels: Kernels,
+    thresholds: Mapping[str, Any],
+    named: Mapping[str, float],
+    size: tuple[float, float],
+) -> HypothesisFit:
+    """The fit that begins at ``named`` parameters (the others at their defaults) and nowhere else, around a gap of
+    ``size`` (multipliers of tolerance and session) first, and of the size that it finds."""
+    fitted: HypothesisFit | None = None
+    for _ in range(ROUNDS):
+        theta = np.array([named.get(p.name, p.default) for p in forward.parameters])
+        covariance_at = _covariance(forward, kernels, thresholds, size)
+        mode = find_mode(forward, data.values, covariance_at, forward.priors.to_normal(theta))
+        fitted = _finish(forward, data, kernels, thresholds, mode, size)
+        if fitted is None or fitted.multipliers == size:
+            break
+        named, size = fitted.parameters, fitted.multipliers
+    assert fitted is not None
+    return fitted
+
+
 def plain_fit_at(
     forward: Forward,
     data: DataVector,
@@ -114,6 +125,23 @@ def plain_fit_at(
     fitted = _finish(forward, data, kernels, thresholds, mode, size)
     assert fitted is not None
     return fitted
+
+
+def _covariance(
+    forward: Forward, kernels: Kernels, thresholds: Mapping[str, Any], size: tuple[float, float]
+) -> Callable[[FloatArray], FloatArray]:
+    """Covariance of the entries at parameters (params,), around a gap of ``size``."""
+    tolerance, session = size
+
+    def at(theta: FloatArray) -> FloatArray:
+        if not forward.candidates:
+            return kernels.total(tolerance=tolerance, session=session)
+        return kernels.total(
+            tolerance=tolerance, session=session,
+            signature=form_signature(forward, theta), signature_tolerance=thresholds["signature_tolerance"],
+        )  # fmt: skip
+
+    return at
 
 
 def _finish(

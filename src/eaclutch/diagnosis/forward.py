@@ -14,6 +14,7 @@ from eaclutch.diagnosis.readings import Readings
 from eaclutch.inference.priors import Priors
 from eaclutch.physics.effect import Parameter, Prior
 from eaclutch.physics.model import ClutchModel
+from eaclutch.physics.parameters import CONTACT_LAW_BEND
 from eaclutch.records import FloatArray
 
 # A run that the model cannot follow (it pulls in, or never slips, while the bench measured a time) stands
@@ -29,6 +30,7 @@ class Forward:
 
     ``priors`` holds the free parameters: the calibrated ones and those of ``candidates`` (effects on top of the
     campaign's own model), without those that move nothing in this campaign; these are ``held`` at their default.
+    ``contact_law``: whether the contact law may bend.
     """
 
     def __init__(
@@ -37,8 +39,10 @@ class Forward:
         data: DataVector,
         candidates: Sequence[str] = (),
         priors: Mapping[str, Sequence[float]] | None = None,
+        contact_law: bool = False,
     ):
         self.model, self.data, self.candidates = model, data, tuple(candidates)
+        self.fixed = {"slip_phase"} if contact_law else {"slip_phase", CONTACT_LAW_BEND}
         free = [_with_prior(p, priors or {}) for p in model.parameters.values() if self._free(p.name)]
         self.readings = Readings.of(data)
         self.held: tuple[Parameter, ...] = ()
@@ -57,7 +61,7 @@ class Forward:
     def _free(self, name: str) -> bool:
         """Base effects' weights stay at one unless they are candidates; the force at switch-off is measured,
         so where a run stands in its stick-slip cycle is not a parameter here."""
-        return name != "slip_phase" and (not name.endswith(".strength") or self.own(name))
+        return name not in self.fixed and (not name.endswith(".strength") or self.own(name))
 
     def _idle(self, own: Sequence[Parameter]) -> set[str]:
         """Names of own parameters that move no entry (the offset of a session that this campaign lacks)."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -52,6 +53,25 @@ class HypothesisFit:
         slope = self.mode.priors.slope(np.clip(self.mode.u, -FAR_TAIL, FAR_TAIL))
         found: FloatArray = np.abs(slope) * posterior_sd(self.linearised)
         return found
+
+
+def fitted_parameters(forward: Forward, fitted: HypothesisFit) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The effects' own parameters (of several effects with their names in front) and the calibrated ones, {name: {mean,
+    sd, unit}}, natural units; of these the prior sds that they are off their default, ``prior_sds``, too."""
+    own, calibrated = {}, {}
+    for parameter, mean, sd, u in zip(
+        forward.parameters,
+        fitted.mode.theta.tolist(),
+        fitted.sd.tolist(),
+        fitted.mode.u.tolist(),
+        strict=True,
+    ):
+        entry = {"mean": mean, "sd": sd, "unit": parameter.unit}
+        if forward.own(parameter.name):
+            own[parameter.name if len(fitted.effects) > 1 else parameter.name.split(".", 1)[1]] = entry
+        else:  # of an effect that the campaign's own model has, too
+            calibrated[parameter.name] = entry | {"prior_sds": u}
+    return own, calibrated
 
 
 def own_signature(forward: Forward, theta: FloatArray) -> FloatArray:

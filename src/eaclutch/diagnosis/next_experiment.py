@@ -137,10 +137,7 @@ def _preload(study: Study, grid: RunConditions) -> FloatArray:
 
 def _predict(study: Study, result: CandidateResult, grid: RunConditions) -> FloatArray:
     """(channels, settings) on the comparison scale, not-a-number where the model gives none."""
-    named = {name: np.array([entry["mean"]]) for name, entry in result.calibrated.items()}
-    for name, entry in result.parameters.items():
-        # a single effect's own parameters are stored without its name
-        named[name if "." in name else f"{result.effects[0]}.{name}"] = np.array([entry["mean"]])
+    named = {name: np.array([value]) for name, value in result.named.items()}
     plain = Readings((), np.full(len(grid), -1), False)
     return plain.predict(study.model(result.effects), grid, plain.without(named), study.data.channels)[0]
 

@@ -116,8 +116,9 @@ class PreparedCampaign:
             in_order(self.first_fit, forward)
         return carried(forward, self.table, self.first_fit)
 
-    def forward(self, effects: Sequence[str]) -> Forward:
-        return Forward(self.model(effects), self.data, effects, self.priors)
+    def forward(self, effects: Sequence[str], *, contact_law: bool = False) -> Forward:
+        """Predictions with ``effects`` on top; ``contact_law``: whether the contact law may bend."""
+        return Forward(self.model(effects), self.data, effects, self.priors, contact_law)
 
 
 def in_order(named: Mapping[str, float], forward: Forward) -> FloatArray:

@@ -66,9 +66,7 @@ def is_wide(study: Study, result: CandidateResult) -> bool:
 
 def seeds_of(singles: Sequence[CandidateResult]) -> dict[str, float]:
     """Where two effects' own fits stand: the stronger one's calibrated parameters, both ones' own."""
-    strongest = max(singles, key=lambda r: r.log_evidence)
-    seeds = {name: float(entry["mean"]) for name, entry in strongest.calibrated.items()}
-    for single in singles:
-        for name, entry in single.parameters.items():
-            seeds[name if "." in name else f"{single.effects[0]}.{name}"] = float(entry["mean"])
+    seeds: dict[str, float] = {}
+    for single in sorted(singles, key=lambda r: r.log_evidence):
+        seeds |= single.named
     return seeds

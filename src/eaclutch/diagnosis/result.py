@@ -13,7 +13,7 @@ from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gate import adequacy, simulate_null
 from eaclutch.diagnosis.gaussian import LeaveOut, Linearised, given, leave_out
-from eaclutch.diagnosis.hypothesis import HypothesisFit
+from eaclutch.diagnosis.hypothesis import HypothesisFit, fitted_parameters
 from eaclutch.diagnosis.remainder import Remainder
 from eaclutch.records import FloatArray
 
@@ -57,6 +57,12 @@ class CandidateResult:
     converged: bool
     remainder_law: tuple[str, ...]
     repeat_drift: float = 0.0
+
+    @property
+    def named(self) -> dict[str, float]:
+        """Where the fit stands, {parameter: value}, those of an effect with its name in front."""
+        own = {name if "." in name else f"{self.effects[0]}.{name}": e for name, e in self.parameters.items()}
+        return {name: float(entry["mean"]) for name, entry in {**self.calibrated, **own}.items()}
 
     def document(self) -> dict[str, Any]:
         """JSON-able mapping."""
@@ -161,14 +167,7 @@ def summarise(
     null = simulate_null(usual, usual.covariance, rng, campaigns=200)
     adequate, blocks = adequacy(usual, left_usual, np.where(data.condition != "", data.block, ""), null)
     errors_left_out = left_out_errors(forward, data, fitted, left, readings)
-    own, calibrated = {}, {}
-    mode, spread = fitted.mode, fitted.sd
-    for i, parameter in enumerate(forward.parameters):
-        entry = {"mean": float(mode.theta[i]), "sd": float(spread[i]), "unit": parameter.unit}
-        if forward.own(parameter.name):
-            own[parameter.name if len(fitted.effects) > 1 else parameter.name.split(".", 1)[1]] = entry
-        else:  # of an effect that the campaign's own model has, too
-            calibrated[parameter.name] = entry | {"prior_sds": float(mode.u[i])}
+    own, calibrated = fitted_parameters(forward, fitted)
     return CandidateResult(
         fitted.effects,
         fitted.log_evidence,
@@ -184,6 +183,6 @@ def summarise(
         own,
         calibrated,
         fitted.multipliers,
-        mode.converged,
+        fitted.mode.converged,
         remainder.law,
     )

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from eaclutch.diagnosis.contact_law import with_contact_law
 from eaclutch.diagnosis.drift import RepeatDrift, repeat_drift
 from eaclutch.diagnosis.fit import fit_hypothesis, plain_fit_at
 from eaclutch.diagnosis.free_swing import charged
@@ -42,6 +43,7 @@ class Study(PreparedCampaign):
     ):
         super().__init__(inputs, thresholds, known)
         self.seed = seed
+        self._constants: dict[tuple[str, ...], dict[str, Any]] = {}
 
     def generator(self, *stream: int) -> np.random.Generator:
         """A generator of its own for each purpose: the same whatever else ran before."""
@@ -152,6 +154,12 @@ class Study(PreparedCampaign):
         if not effects and self.drift is not None:
             result = replace(result, repeat_drift=self.drift.evidence)
         return charged(result, self.inputs.effects, self.swings, self.thresholds)
+
+    def constants(self, result: CandidateResult) -> dict[str, Any]:
+        """Calibrated parameters of a weighed hypothesis, as they are known where the contact law is free."""
+        if result.effects not in self._constants:
+            self._constants[result.effects] = with_contact_law(self, result)
+        return self._constants[result.effects]
 
     def _without(self, fitted: HypothesisFit) -> tuple[float, float]:
         """Evidence of the base model, and with a nameless remainder, fitted once more from the calibrated parameters

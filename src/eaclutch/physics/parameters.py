@@ -13,6 +13,9 @@ from eaclutch.records import Bench, FloatArray, Gaussian
 MultiplierForm = Literal["none", "constant", "linear"]
 # The multiplier's level is its value at this voltage, so that level and slope are nearly uncorrelated.
 MULTIPLIER_VOLTAGE = 200.0
+CONTACT_LAW_BEND = "contact_law_bend"
+# A fifth of the way from Gaussian to exponential asperity heights; what departs further is part of the gap.
+BEND_SD = 0.15
 
 
 def _measured(
@@ -31,6 +34,8 @@ def base_parameters(bench: Bench, form: MultiplierForm) -> dict[str, Parameter]:
                   "Greenwood-Williamson stiffness k"),
         Parameter("roughness_sd", "m", (1e-7, 5e-5), 2.8e-6, Prior("lognormal", 2.8e-6, 0.4), None,
                   "standard deviation of the asperity heights"),
+        Parameter(CONTACT_LAW_BEND, "1", (-1.0, 1.5), 0.0, Prior("normal", 0.0, BEND_SD), 0.0,
+                  "how far the contact law departs from Greenwood-Williamson's (laws.bent)"),
         Parameter("stray_capacitance", "F", (-1e-10, 1e-10), bench.fixture.stray_capacitance,
                   Prior("normal", bench.fixture.stray_capacitance, 5e-13), None,
                   "parallel capacitance left in the fixture's readings"),

@@ -12,6 +12,7 @@ import numpy as np
 
 from eaclutch.physics.kernels.compiled import inlined
 from eaclutch.physics.kernels.lookup import log_contact
+from eaclutch.physics.laws import BEND_LOG_LOAD, BEND_REACH, BEND_SLOPE
 
 ROOT_HALF = math.sqrt(0.5)
 ROOT_TWO_PI = math.sqrt(2.0 * math.pi)
@@ -48,9 +49,21 @@ def contact(p, h, tables):
 @inlined
 def level_contact(p, h, tables):
     """The same of a gap that is h everywhere."""
-    log_g, slope = log_contact(h * p.inverse_sigma, tables.contact)
+    log_g, slope = log_load(p, h * p.inverse_sigma, tables)
     force = p.contact_scale * math.exp(log_g)
     return force, force * slope * p.inverse_sigma
+
+
+@inlined
+def log_load(p, x, tables):
+    """(log of the dimensionless load at x = h / sigma, its slope): ``laws.bent`` of log G(x)."""
+    log_g, slope = log_contact(x, tables.contact)
+    if p.contact_law_bend == 0.0:
+        return log_g, slope
+    away = (log_g - BEND_LOG_LOAD) / BEND_REACH
+    root = math.sqrt(1.0 + away * away)
+    bend = p.contact_law_bend * BEND_REACH / BEND_SLOPE**2
+    return log_g + bend * BEND_REACH * (root - 1.0), slope * (1.0 + bend * away / root)
 
 
 @inlined

@@ -5,9 +5,8 @@ from __future__ import annotations
 import math
 
 from eaclutch.physics.kernels.compiled import compiled
-from eaclutch.physics.kernels.contact import adhesion, contact
+from eaclutch.physics.kernels.contact import adhesion, contact, log_load
 from eaclutch.physics.kernels.forces import driven_field, field_slopes, held_field, tension
-from eaclutch.physics.kernels.lookup import log_contact
 
 OK, PULL_IN, NEVER_SLIPS, TIMED_OUT = 0, 1, 2, 3
 CLOSED = (
@@ -40,7 +39,7 @@ def gap_at_load(p, load, tables):
     low, high = -math.inf, math.inf
     for _ in range(80):
         if p.gap_half_spread == 0.0:
-            value, slope = log_contact(x, tables.contact)
+            value, slope = log_load(p, x, tables)
         else:
             force, force_slope = contact(p, x * p.sigma, tables)
             value, slope = math.log(force / p.contact_scale), force_slope / force * p.sigma
