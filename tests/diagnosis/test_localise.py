@@ -144,6 +144,22 @@ def test_a_side_that_holds_little_of_what_an_effect_does_is_no_place_of_it(campa
     assert row["factor"] == "all" and row["share"] == pytest.approx(1.0)
 
 
+def test_of_sessions_the_one_is_named_that_holds_most_of_what_an_effect_does(campaign):
+    """What calibration leaves stands out in the first of three sessions, of ever larger effect on the others."""
+    data, cells, _ = campaign
+    session = np.arange(2 * RUNS) % RUNS % 3
+    data.session = np.array(["a", "b", "c"])[session]
+    shift, left = np.zeros(2 * RUNS), np.zeros(2 * RUNS)
+    shift[:RUNS], left[:RUNS] = np.array([[0.0, 0.2, 0.3], [-0.2, 0.1, 0.1]])[:, session[:RUNS]]
+    simulated = np.random.default_rng(1).normal(0.0, 0.02, (400, data.run_entries))
+    (row,) = localise(
+        data, cells, shift, simulated, np.random.default_rng(1), PLACE,
+        Explained(shift, left, np.full(2 * RUNS, 0.02)),
+    ).rows  # fmt: skip
+    assert (row["factor"], row["level"]) == ("session", "c")
+    assert row["share"] == pytest.approx(0.09 / 0.13)
+
+
 def test_what_calibration_takes_up_of_an_effect_is_no_place_of_it(campaign):
     """A force that is a third larger everywhere, and more so at 300 V: a factor on the force follows the former."""
     data, cells, _ = campaign

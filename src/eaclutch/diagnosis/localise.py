@@ -154,7 +154,8 @@ def _where_it_acts(name: str, places: _Places, explained: Explained) -> tuple[Sp
 
     The excess is what it does, squared over the repeats' variance. The split whose two means say most of what
     calibration leaves of it (of all it does, where less than noise is left), by the side that holds more of the excess
-    unless that is nearly all there is; "all" where one mean says nearly as much, or the side holds little of it.
+    (of sessions: the one that does) unless that is nearly all there is; "all" where one mean says nearly as much, or
+    the side holds little of it.
     """
     (mine, every), rules = places.of(name), places.rules
     masks, excess = places.masks, places.excess
@@ -172,6 +173,9 @@ def _where_it_acts(name: str, places: _Places, explained: Explained) -> tuple[Sp
     best = every
     if said[every] < rules["mean_says"] * most:
         sides = [i for i, value in said.items() if value >= (1.0 - 1e-9) * most]
+        if any(places.tests[i][1].factor == "session" for i in sides):
+            # the other side of one session is several: any of them
+            sides = [i for i in mine if places.tests[i][1].factor == "session"]
         sides = [i for i in sides if masks[i].sum() <= rules["nearly_all"] * size] or sides
         side = max(sides, key=lambda i: float(masks[i] @ excess))
         if masks[side] @ excess >= rules["side_holds"] * float(masks[every] @ excess):
