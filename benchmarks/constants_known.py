@@ -56,7 +56,7 @@ def fit_case(job: Job) -> None:
     effects = tuple(name for name, _ in entry.effects)
     found = {}
     for when, fit in {"before": study.base, "after": study.fit(effects)}.items():
-        free = fit_contact_law(study, fit.effects, fit.parameters, fit.multipliers)
+        _, free = fit_contact_law(study, fit.effects, fit.parameters, fit.multipliers)
         found[when] = errors(free, answer["parameters"])
     write_json(target, {"effects": list(effects), **found})
 

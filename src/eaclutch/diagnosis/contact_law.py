@@ -11,6 +11,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from eaclutch.diagnosis.fit import fit_from
+from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.hypothesis import HypothesisFit, fitted_parameters
 from eaclutch.diagnosis.prepared import PreparedCampaign
 from eaclutch.diagnosis.result import CandidateResult
@@ -19,17 +20,16 @@ from eaclutch.physics.parameters import CONTACT_LAW_BEND
 
 def fit_contact_law(
     study: PreparedCampaign, effects: Sequence[str], named: Mapping[str, float], size: tuple[float, float]
-) -> HypothesisFit:
-    """The fit of ``effects`` with the contact law free, from ``named`` parameters, those of the fit without, and its
-    multipliers ``size`` (tolerance, session)."""
+) -> tuple[Forward, HypothesisFit]:
+    """The fit of ``effects`` with the contact law free, and its model, from ``named`` parameters, those of the fit
+    without, and its multipliers ``size`` (tolerance, session)."""
     forward = study.forward(effects, contact_law=True)
-    return fit_from(forward, study.data, study.kernels, study.thresholds, named, size)
+    return forward, fit_from(forward, study.data, study.kernels, study.thresholds, named, size)
 
 
 def with_contact_law(study: PreparedCampaign, result: CandidateResult) -> dict[str, Any]:
     """``CandidateResult.calibrated`` with the contact law free, its bend among them."""
-    fitted = fit_contact_law(study, result.effects, result.named, result.multipliers)
-    return fitted_parameters(study.forward(result.effects, contact_law=True), fitted)[1]
+    return fitted_parameters(*fit_contact_law(study, result.effects, result.named, result.multipliers))[1]
 
 
 def other_contact_law(
