@@ -175,15 +175,13 @@ def fits_made(monkeypatch, evidence, tolerance, lead):
         made.append((*fit.effects, fit.afresh, fit.seeds))
         return SimpleNamespace(
             effects=fit.effects, log_evidence=evidence[fit.effects[0]], multipliers=(tolerance, 1.0),
-            calibrated={}, parameters={"size": {"mean": 2.0}},
+            named={f"{fit.effects[0]}.size": 2.0},
         )  # fmt: skip
 
     monkeypatch.setattr("eaclutch.diagnosis.refits.weigh_fit", weigh)
     monkeypatch.setattr("eaclutch.diagnosis.pairs.weigh_fit", weigh)
     study = SimpleNamespace(lookalikes=tuple(evidence), thresholds=THRESHOLDS)
-    leading = SimpleNamespace(
-        effects=lead, log_evidence=100.0, calibrated={"k": {"mean": 3.0}}, parameters={}
-    )
+    leading = SimpleNamespace(effects=lead, log_evidence=100.0, named={"k": 3.0})
     _weigh_lookalikes(Spread(study), [leading], lambda result: result.log_evidence, all_of_them=True)
     return made
 

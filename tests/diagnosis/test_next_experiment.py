@@ -33,6 +33,9 @@ def test_a_pair_whose_second_effect_does_nothing_is_no_rival_of_the_first():
     own = {f"series_compliance.{name}": entry for name, entry in single.parameters.items()}
     idle = {"trigger_latency.delay": {"mean": 0.0, "sd": 1e-6, "unit": "s"}}
     pair = replace(single, effects=("series_compliance", "trigger_latency"), parameters=own | idle)
+    # an effect's parameter has its name in front, in a single's result, too, where it has not
+    assert pair.named == single.named | {"trigger_latency.delay": 0.0}
+    assert single.named.keys() == {*single.calibrated, *own}
     weights = {single.effects: 0.95, pair.effects: 0.04, plain.effects: 0.01}
     kept, said = _contenders(study, [plain, single, pair], weights, _grid(study), _variance(study))
     assert kept == [("series_compliance",), ()] and len(said) == 2
