@@ -3,6 +3,7 @@
 import pytest
 
 from diagnosis.simulated import inputs
+from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.contact_law import other_contact_law
 from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.study import Study
@@ -35,3 +36,7 @@ def test_it_is_said_where_it_matters(found):
     known = study.constants(result)
     said = other_contact_law(known, study.thresholds)
     assert [f"{known[BEND]['mean']:+.2f}" in note for note in said] == ([True] if bend else [])
+    document = conclude(study, [result])
+    assert document["absorbed"][STIFFNESS]["before"] == known[STIFFNESS]["mean"]
+    assert document["verdict"]["effects"] == []
+    assert ("contact law" in document["verdict"]["why"]) == bool(bend)

@@ -57,7 +57,7 @@ class HypothesisFit:
 
 def fitted_parameters(forward: Forward, fitted: HypothesisFit) -> tuple[dict[str, Any], dict[str, Any]]:
     """The effects' own parameters (of several effects with their names in front) and the calibrated ones, {name: {mean,
-    sd, unit}}, natural units; of these the prior sds that they are off their default, ``prior_sds``, too."""
+    sd, unit}}, natural units; of these the prior sds that they are off their prior's median, ``prior_sds``, too."""
     own, calibrated = {}, {}
     for parameter, mean, sd, u in zip(
         forward.parameters,
