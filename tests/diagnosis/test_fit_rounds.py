@@ -4,6 +4,7 @@ at a time."""
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
 
 import numba
 import numpy as np
@@ -11,7 +12,10 @@ import pytest
 
 from diagnosis.simulated import inputs
 from eaclutch.diagnosis import fit
+from eaclutch.diagnosis.fit import plain_fit_at
+from eaclutch.diagnosis.readings import PREFIX
 from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.starts import starts
 from eaclutch.diagnosis.study import Study
 
 EFFECT = ("series_compliance",)
@@ -77,3 +81,33 @@ def test_fits_from_several_starts_in_several_threads_and_ends_in_the_same_place(
         assert max(together) == threads
     assert np.array_equal(several[0].mode.u, several[1].mode.u)
     assert several[0].log_evidence == several[1].log_evidence
+
+
+@pytest.mark.parametrize(("tolerance", "more"), [(1.0, False), (2.0, True)])
+@pytest.mark.parametrize("in_contact", [False, True])
+def test_beside_a_base_fit_that_is_far_off_an_effect_also_starts_from_the_defaults(
+    tolerance, more, in_contact
+):
+    """Where the base model's parameters are bent to explain a gap, what follows from them leads nowhere; its zeros of
+    the load cell, which are looked for where runs begin in contact, may be right all the same."""
+    given = inputs(EFFECT, {"series_compliance.compliance": 2e-5})
+    if in_contact:
+        given = replace(given, table=given.table.assign(flags="no_zero", preload_n=np.nan))
+    study = Study(given, load_thresholds())
+    bare, forward = study.forward(()), study.forward(EFFECT)
+    u = np.full(len(bare.parameters), 0.1)
+    base = plain_fit_at(bare, study.data, study.kernels, study.thresholds, u, (1.0, 1.0), True)
+    base = replace(base, multipliers=(tolerance, 1.0))
+    widest = max(study.thresholds["multipliers"]["tolerance"]["values"])
+
+    def begun(seeds=None):
+        return starts(forward, study.data, study.kernels, (1.0, 1.0), base, None, seeds, widest)
+
+    default = forward.priors.to_normal(np.array([p.default for p in forward.parameters]))
+    zeros = np.array([name.startswith(PREFIX) for name in forward.priors.names])
+    assert any(zeros) == in_contact
+    expected = [default, np.where(zeros, 0.1, default)][: 1 + in_contact] if more else []
+    found = begun()
+    assert len(found) == 2 + len(expected)
+    assert all(np.array_equal(u, v) for u, v in zip(found[2:], expected, strict=True))
+    assert len(begun({"damping": 1.2})) == 2  # where another fit's parameters are known

@@ -53,6 +53,7 @@ def fit_hypothesis(
     other zeros of the load cell from where it ends, that of an effect does not.
     """
     best: HypothesisFit | None = None
+    widest = max(thresholds["multipliers"]["tolerance"]["values"])
     for _ in range(ROUNDS):
 
         def highest(
@@ -72,7 +73,7 @@ def fit_hypothesis(
         if best is not None and size[0] < best.size[0]:
             begin = [best.mode.u]  # laws hold better than was thought, and the place is known
         else:
-            begin = starts(forward, data, kernels, size, base, beyond, seeds)
+            begin = starts(forward, data, kernels, size, base, beyond, seeds, widest)
         best = highest(begin, best)
         for _ in range(0 if base or forward.candidates else HOPS):
             tried = highest(other_zeros(forward, best.mode.u), best)

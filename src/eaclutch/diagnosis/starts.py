@@ -1,7 +1,9 @@
 """Where the fits of a hypothesis start.
 
 An effect's own parameters are scouted over their prior from the fit of the model without it, the calibrated ones
-following linearly; a fit from scratch starts from the defaults and the best of draws around them.
+following linearly; a fit from scratch starts from the defaults and the best of draws around them. Where that other
+fit is far off its parameters are bent, and what follows from them leads nowhere: an effect by itself also starts from
+the defaults.
 """
 
 from __future__ import annotations
@@ -37,14 +39,18 @@ def starts(
     base: HypothesisFit | None,
     beyond: HypothesisFit | None,
     seeds: Mapping[str, float] | None,
+    widest: float,
 ) -> list[FloatArray]:
     """Where the fits of one hypothesis start, (params,) each in prior coordinates.
 
-    base, beyond, seeds: as for ``fit.fit_hypothesis``; size: multipliers (tolerance, session) of the fit to come.
+    base, beyond, seeds: as for ``fit.fit_hypothesis``; size: multipliers (tolerance, session) of the fit to come;
+    widest: tolerance multiplier from which on a base fit counts as far off.
     """
     covariance = kernels.total(tolerance=size[0], session=size[1])
     if base is not None:
         found = scout(forward, base, covariance)
+        if base.multipliers[0] >= widest and forward.candidates and beyond is None and not seeds:
+            found += _defaults(forward, base)
     elif not seeds or size[0] > 1.0:
         found = _prior_starts(forward, data, covariance)
     else:
@@ -58,9 +64,22 @@ def starts(
     return found
 
 
+def _defaults(forward: Forward, base: HypothesisFit) -> list[FloatArray]:
+    """The defaults, and the same with the load cell's zeros where the base fit found them, which other parameters may
+    have bent or not."""
+    names, default = forward.priors.names, forward.priors.to_normal(_default_values(forward))
+    zeros = {n: u for n, u in zip(base.mode.names, base.mode.u, strict=True) if n.startswith(PREFIX)}
+    read = np.array([zeros.get(name, u) for name, u in zip(names, default, strict=True)])
+    return [default, read] if zeros else [default]
+
+
+def _default_values(forward: Forward) -> FloatArray:
+    return np.array([p.default for p in forward.parameters])
+
+
 def _prior_starts(forward: Forward, data: DataVector, covariance: FloatArray) -> list[FloatArray]:
     """Where a fit from scratch starts: the defaults, and the best of many draws around them."""
-    default = forward.priors.to_normal(np.array([p.default for p in forward.parameters]))
+    default = forward.priors.to_normal(_default_values(forward))
     points = qmc.Sobol(len(default), scramble=False).random(2 * SCOUTS)[1:]
     u = default + SPREAD * ndtri(np.clip(points, 1e-6, 1 - 1e-6))
     factor = cho_factor(covariance, lower=True)
@@ -114,7 +133,7 @@ def _scouts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, list[int
     """Points (scouts, params) in prior coordinates: the base mode with draws of the candidates' own
     parameters that it lacks; and which those are."""
     known = dict(zip(base.mode.names, base.mode.u, strict=True))
-    default = forward.priors.to_normal(np.array([p.default for p in forward.parameters]))
+    default = forward.priors.to_normal(_default_values(forward))
     mode = np.array([known.get(p.name, default[i]) for i, p in enumerate(forward.parameters)])
     own = [i for i, p in enumerate(forward.parameters) if forward.own(p.name) and p.name not in known]
     if not own:
