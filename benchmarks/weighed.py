@@ -31,6 +31,7 @@ class Weighed:
     log_evidence_open: float
     log_evidence_without: float
     log_evidence_without_open: float
+    log_density: tuple[float, ...]
     gap_left_out: float
     adequate_p: float
     multipliers: tuple[float, float]
@@ -74,6 +75,7 @@ def rows_of(study: Study, found: Sequence[CandidateResult]) -> list[list[Any]]:
             r.log_evidence_open,
             r.log_evidence_without,
             r.log_evidence_without_open,
+            r.log_density,
             r.gap_left_out,
             r.adequate_p,
             r.multipliers,

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from diagnosis.simulated import inputs
+from diagnosis.simulated import CONDITIONS, inputs
 from eaclutch.diagnosis.conclude import conclude
 from eaclutch.diagnosis.pairs import NEAR, WORTH_A_LOOK, _weigh_lookalikes, with_pairs
 from eaclutch.diagnosis.promises import promises
@@ -19,12 +19,16 @@ from eaclutch.physics.effects import BASE, LOOKALIKES
 from eaclutch.records import InputError
 
 THRESHOLDS = load_thresholds()
+HEAVIER = [
+    {"voltage_v": v, "frequency_hz": f, "width_mm": 2, "preload_n": 0.5}
+    for v, f in [(300, 10), (300, 10000), (250, 1000)]
+]
 
 
 def weighed(effects, evidence, remainder=-1e3):
     return SimpleNamespace(
         effects=effects, log_evidence=evidence, log_evidence_open=remainder, log_evidence_without=0.0,
-        log_evidence_without_open=10.0, gap_left_out=1.0, adequate_p=1.0, multipliers=(1.0, 1.0),
+        log_evidence_without_open=10.0, log_density=(), gap_left_out=1.0, adequate_p=1.0, multipliers=(1.0, 1.0),
         repeat_drift=0.0,
     )  # fmt: skip
 
@@ -85,8 +89,9 @@ def test_a_drag_beside_a_soft_train_is_no_edge_wrap():
         {
             "series_compliance.compliance": 2.5e-5,
             "series_compliance.film_share": 0.9,
-            "viscous_drag.drag": 0.6,
+            "viscous_drag.drag": 1.5,
         },
+        conditions=[*CONDITIONS, *HEAVIER],
     )
     study = Study(replace(given, candidates=("edge_wrap", "series_compliance")), THRESHOLDS, seed=3)
     study.lookalikes = ("viscous_drag", "wet_film")

@@ -296,7 +296,7 @@ def test_a_fit_that_stopped_short_is_said():
 def test_unknown_for_repeats_that_drift_is_said_so_unless_a_smooth_term_says_more(smooth, words):
     base = SimpleNamespace(
         effects=(), log_evidence=0.0, log_evidence_open=smooth, log_evidence_without=0.0,
-        log_evidence_without_open=smooth, gap_left_out=1.0, adequate_p=0.5, multipliers=(1.0, 1.0),
+        log_evidence_without_open=smooth, log_density=(), gap_left_out=1.0, adequate_p=0.5, multipliers=(1.0, 1.0),
         remainder_law=("friction", "run_order"), repeat_drift=8.0,
     )  # fmt: skip
     thresholds = load_thresholds()

@@ -23,8 +23,8 @@ from eaclutch.physics.effects import BASE, CANDIDATES
 def weighed(effects, evidence):
     return SimpleNamespace(
         effects=effects, log_evidence=evidence, log_evidence_open=-1e3, log_evidence_without=0.0,
-        log_evidence_without_open=0.0, gap_left_out=1.0, adequate_p=1.0, multipliers=(1.0, 1.0), repeat_drift=0.0,
-        remainder_law=(),
+        log_evidence_without_open=0.0, log_density=(), gap_left_out=1.0, adequate_p=1.0, multipliers=(1.0, 1.0),
+        repeat_drift=0.0, remainder_law=(),
     )  # fmt: skip
 
 

@@ -1,4 +1,5 @@
-"""What of the evidence of a hypothesis counts beside the others: a nameless remainder, and how far it narrows a gap."""
+"""What of the evidence of a hypothesis counts beside the others: a nameless remainder, how far it narrows a gap, and of
+a further effect what more than one condition says."""
 
 from __future__ import annotations
 
@@ -9,6 +10,7 @@ import numpy as np
 
 from eaclutch.diagnosis.free_swing import OSCILLATOR
 from eaclutch.diagnosis.result import CandidateResult
+from eaclutch.physics.effects import BASE
 
 
 def counted_evidence(
@@ -19,7 +21,10 @@ def counted_evidence(
 
     Around a gap that no fit closes within the usual tolerances a remainder takes up what a name leaves, nearly
     whatever that is, and evidences rest on where fits ended. What a name does for conditions left out counts there
-    as well: ``narrowing_weight`` nats for each e-fold of the gap left out, over the name that would lead without."""
+    as well: ``narrowing_weight`` nats for each e-fold of the gap left out, over the name that would lead without.
+
+    At the usual tolerances one odd condition may be all that a second effect explains: of what a set gains over the
+    best of the smaller sets in it, the condition that says most for it does not count."""
     cost = float(thresholds["remainder_cost"])
     slack = 1.0 + float(thresholds["pair_widening"])
     usual, weight = (
@@ -37,9 +42,19 @@ def counted_evidence(
             return result.log_evidence
         return float(np.logaddexp(result.log_evidence, result.log_evidence_open - cost))
 
+    def odd(result: CandidateResult) -> float:
+        """What one condition says for each effect more."""
+        fewer = [r for r in results if r.effects and set(r.effects) < set(result.effects)]
+        if not fewer:
+            return 0.0
+        best = max(fewer, key=plain)
+        if set(result.effects) - set(best.effects) <= set(BASE):  # that acts, whatever else does
+            return odd(best)
+        return odd(best) + float(np.max(np.subtract(result.log_density, best.log_density), initial=0.0))
+
     def counted(result: CandidateResult) -> float:
         if not (result.effects and result.multipliers[0] > usual and result.gap_left_out > 0):
-            return plain(result)
+            return plain(result) - odd(result)
         lead = max((r for r in results if r.effects and r.gap_left_out > 0), key=plain, default=result)
         return plain(result) + weight * float(np.log(lead.gap_left_out / result.gap_left_out))
 
