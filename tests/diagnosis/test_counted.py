@@ -9,6 +9,7 @@ from eaclutch.diagnosis.settings import load_thresholds
 from eaclutch.diagnosis.weigh import probabilities
 
 THRESHOLDS = load_thresholds()
+MOST = THRESHOLDS["one_condition"]
 INERTIA, AGING = ("substrate_inertia",), ("contact_aging",)
 BOTH = (*AGING, *INERTIA)
 
@@ -29,16 +30,16 @@ def counted(pair, singles):
 SINGLES = [weighed(INERTIA, 100.0, (1.0, 2.0, -12.0)), weighed(AGING, 60.0, (-20.0, 2.0, 2.0))]
 
 
-def test_what_one_condition_says_for_a_second_effect_does_not_count():
+def test_what_one_condition_says_for_a_second_effect_counts_in_part():
     """All of its 13 nats over the better single are the last condition's."""
     found, weights = counted(weighed(BOTH, 113.0, (0.5, 1.5, 2.0)), SINGLES)
-    assert found == pytest.approx(113.0 - 14.0)
-    assert weights[INERTIA] > 0.9 > 0.1 > weights[BOTH]
+    assert found == pytest.approx(113.0 - 14.0 + MOST)
+    assert weights[INERTIA] > 0.8 > 0.2 > weights[BOTH]
 
 
-def test_what_several_conditions_say_for_it_does():
+def test_what_several_conditions_say_for_it_does_in_full():
     found, weights = counted(weighed(BOTH, 113.0, (6.0, 6.5, -8.0)), SINGLES)
-    assert found == pytest.approx(113.0 - 5.0)
+    assert found == pytest.approx(113.0)
     assert weights[BOTH] > weights[INERTIA]
 
 
@@ -62,4 +63,4 @@ def test_a_base_effect_beside_a_set_counts_in_full_and_the_set_no_more_than_with
     results = [weighed((), 0.0, (-30.0,) * 3), *SINGLES, pair, three]
     found = counted_evidence(results, THRESHOLDS)
     assert found(three) - found(pair) == pytest.approx(2.0)
-    assert found(pair) == pytest.approx(99.0)
+    assert found(pair) == pytest.approx(99.0 + MOST)

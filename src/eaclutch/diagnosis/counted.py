@@ -24,9 +24,10 @@ def counted_evidence(
     as well: ``narrowing_weight`` nats for each e-fold of the gap left out, over the name that would lead without.
 
     At the usual tolerances one odd condition may be all that a second effect explains: of what a set gains over the
-    best of the smaller sets in it, the condition that says most for it does not count."""
+    best of the smaller sets in it, the condition that says most for it counts with ``one_condition`` nats at most."""
     cost = float(thresholds["remainder_cost"])
     slack = 1.0 + float(thresholds["pair_widening"])
+    most = float(thresholds["one_condition"])
     usual, weight = (
         max(thresholds["multipliers"]["tolerance"]["values"]),
         float(thresholds["narrowing_weight"]),
@@ -43,14 +44,15 @@ def counted_evidence(
         return float(np.logaddexp(result.log_evidence, result.log_evidence_open - cost))
 
     def odd(result: CandidateResult) -> float:
-        """What one condition says for each effect more."""
+        """What one condition says too much for each effect more."""
         fewer = [r for r in results if r.effects and set(r.effects) < set(result.effects)]
         if not fewer:
             return 0.0
         best = max(fewer, key=plain)
         if set(result.effects) - set(best.effects) <= set(BASE):  # that acts, whatever else does
             return odd(best)
-        return odd(best) + float(np.max(np.subtract(result.log_density, best.log_density), initial=0.0))
+        said = np.subtract(result.log_density, best.log_density)
+        return odd(best) + float(np.max(said - most, initial=0.0))
 
     def counted(result: CandidateResult) -> float:
         if not (result.effects and result.multipliers[0] > usual and result.gap_left_out > 0):

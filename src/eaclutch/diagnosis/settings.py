@@ -15,8 +15,8 @@ DEFAULT = Path(__file__).with_name("thresholds.yaml")
 REQUIRED = ("provenance", "session_sd", "session_together", "tolerance", "scatter", "repeat_drift", "repeat_sd",
             "repeat_prior_dof", "unrepeated_sd", "within_block_correlation", "tolerance_shares", "length_scales",
             "signature_tolerance", "multipliers", "nameless", "modulated", "remainder_cost", "pair_widening",
-            "against_unknown", "unknown_odds", "free_swing", "misfit_share", "misfit_remainder", "partly", "widening",
-            "narrowing_weight", "prior", "priors", "temperature", "verdict", "place", "caveats",
+            "one_condition", "against_unknown", "unknown_odds", "free_swing", "misfit_share", "misfit_remainder",
+            "partly", "widening", "narrowing_weight", "prior", "priors", "temperature", "verdict", "place", "caveats",
             "sentences")  # fmt: skip
 
 
