@@ -1,5 +1,5 @@
-"""What of the evidence of a hypothesis counts beside the others: a nameless remainder, how far it narrows a gap, and of
-a further effect what more than one condition says."""
+"""What of the evidence of a hypothesis counts beside the others: a nameless remainder, how far it narrows a gap, and
+how much one condition alone may say for a further effect."""
 
 from __future__ import annotations
 
