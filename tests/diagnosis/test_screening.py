@@ -106,6 +106,7 @@ def weighed(effects, evidence, without=0.0):
         log_evidence_open=evidence - 3.0,
         log_evidence_without=without,
         log_evidence_without_open=without - 3.0,
+        log_density=(),
         gap_left_out=1.0 if effects else 2.0,
         adequate_p=0.5,
         multipliers=(1.0, 1.0),
