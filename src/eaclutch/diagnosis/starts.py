@@ -49,7 +49,7 @@ def starts(
     covariance = kernels.total(tolerance=size[0], session=size[1])
     if base is not None:
         found = scout(forward, base, covariance)
-        if base.multipliers[0] >= widest and forward.candidates and beyond is None and not seeds:
+        if base.multipliers[0] >= widest and beyond is None and not seeds:
             found += _defaults(forward, base)
     elif not seeds or size[0] > 1.0:
         found = _prior_starts(forward, data, covariance)
