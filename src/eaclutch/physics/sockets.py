@@ -23,6 +23,7 @@ class Sockets:
     # drive
     rise_time_constant: FloatArray | float = 0.0  # s; 0 = step
     fall_time_constant: FloatArray | float = 0.0  # s; 0 = step
+    edge_straightness: FloatArray | float = 0.0  # 0: exponential edges, 1: straight ones
     drive_delay: FloatArray | float = 0.0  # s; between the logged edge and the film's, both edges
     field_lag: FloatArray | float = (
         0.0  # s; by which the edge lags beyond the drive's own: dipoles keep up with it

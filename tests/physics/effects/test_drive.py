@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
+from eaclutch.physics.kernels.drive import edge
 from eaclutch.physics.sockets import Sockets
 
 
@@ -14,6 +16,32 @@ def test_slow_drive_adds_to_the_drive_that_is_there(fill):
     )
     np.testing.assert_allclose(filled.rise_time_constant, [7.5e-6, 7.5e-6, 11e-6, 7.5e-6])
     np.testing.assert_allclose(filled.fall_time_constant, [5.5e-6, 5.5e-6, 9e-6, 5.5e-6])
+
+
+def test_a_current_limit_makes_edges_straight_as_far_as_the_slow_drive_makes_them(fill):
+    drive = Sockets(rise_time_constant=4e-6, fall_time_constant=7e-6)
+    filled = fill("slow_drive", sockets=drive, resistance=2e5, voltage_exponent=1.0)
+    np.testing.assert_allclose(np.asarray(filled.fall_time_constant)[:3], 14e-6)
+    np.testing.assert_allclose(np.asarray(filled.edge_straightness)[:3], 0.5)
+    np.testing.assert_allclose(fill("slow_drive", sockets=drive, resistance=2e5).edge_straightness, 0.0)
+    np.testing.assert_allclose(
+        fill("slow_drive", resistance=0.0, voltage_exponent=1.0).edge_straightness, 0.0
+    )
+
+
+@pytest.mark.parametrize("straightness", [0.0, 1e-4, 0.3, 0.7, 1.0])
+def test_what_is_left_of_an_edge_follows_its_law(straightness):
+    """-du/dt = u^(1 - s) / tau by a general integrator, over nine tenths of its time; at last nothing is left."""
+    tau = 2e-5
+    ended = np.linspace(0.0, 0.9 * tau, 10)
+    law = solve_ivp(
+        lambda _, u: -np.maximum(u, 0.0) ** (1.0 - straightness) / tau,
+        (0.0, ended[-1]), [1.0], t_eval=ended, rtol=1e-9, atol=1e-12,
+    )  # fmt: skip
+    left, rate = np.array([edge(tau, straightness, t) for t in ended]).T
+    np.testing.assert_allclose(left, law.y[0], rtol=1e-6)
+    np.testing.assert_allclose(rate, left ** (1.0 - straightness) / tau, rtol=1e-9)
+    assert edge(tau, straightness, 40.0 * tau)[0] < 1e-16
 
 
 def mean_square(time_constant: float, half: float = 50e-6) -> float:

@@ -67,6 +67,7 @@ CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
             "force_factor": [0.93, 0.9999930, 0.99901005, 0.99595855],
             "rise_time_constant": [35e-6, 35e-6, 49.4974747e-6, 2.02072594e-6],
             "fall_time_constant": [35e-6, 35e-6, 49.4974747e-6, 2.02072594e-6],
+            "edge_straightness": [0.5, 0.5, 0.5, 0.5],
         },
     ),
     # sqrt(2^2 + 3^2) / sqrt(12) um and, 4 mm wide, sqrt(4^2 + 3^2) / sqrt(12) um

@@ -11,18 +11,33 @@ from eaclutch.physics.kernels.lookup import relaxation
 RELEASING, ENGAGING = 0, 1
 SPENT = 1e-16  # of V0^2: below this a falling voltage is off
 SPENT_AFTER = 18.5  # time constants; exp(-2 x 18.5) < SPENT
+LEAST_STRAIGHTNESS = 1e-6  # below it an edge is an exponential
 NO_FIELD = (0.0, 1.0, 1.0, 1.0, 1.0, 0, 0.0)
 
 
 @inlined
+def edge(time_constant, straightness, t):
+    """(what is left of an edge, its rate of decay [1/s]) at t: the left u falls as -du/dt = u^(1 - s) / time_constant,
+    an exponential for a straightness s of 0 and a straight line for 1."""
+    if straightness < LEAST_STRAIGHTNESS:
+        if t >= SPENT_AFTER * time_constant:
+            return 0.0, 0.0
+        left = math.exp(-t / time_constant)
+        return left, left / time_constant
+    base = 1.0 - straightness * t / time_constant
+    if base <= 0.0:
+        return 0.0, 0.0
+    left = base ** (1.0 / straightness)
+    return left, left / (base * time_constant)
+
+
+@inlined
 def history(p, t, phase, tables):
-    """((V/V0)^2, its rate, kappa, its rate) at t after an edge: exponential edge, Cole-Cole step response
-    (Mittag-Leffler), continuous at t = 0."""
-    time_constant = p.fall_time_constant if phase == RELEASING else p.rise_time_constant
-    decay, rate = 0.0, 0.0
-    if t < SPENT_AFTER * time_constant:
-        decay = math.exp(-t / time_constant)
-        rate = decay / time_constant
+    """((V/V0)^2, its rate, kappa, its rate) at t after an edge: exponential or straighter edge, Cole-Cole step
+    response (Mittag-Leffler), continuous at t = 0."""
+    decay, rate = edge(
+        p.fall_time_constant if phase == RELEASING else p.rise_time_constant, p.edge_straightness, t
+    )
     if phase == RELEASING:
         kept = 1.0 - p.residual_fraction * p.residual_fraction
         ratio, ratio_rate = kept * decay * decay, -2.0 * kept * decay * rate

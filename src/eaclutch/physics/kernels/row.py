@@ -10,7 +10,7 @@ ROW = np.dtype(
         (name, np.float64)
         for name in (
             # drive
-            "voltage", "rise_time_constant", "fall_time_constant", "drive_delay",
+            "voltage", "rise_time_constant", "fall_time_constant", "edge_straightness", "drive_delay",
             # dielectric
             "kappa_driven", "kappa_infinity", "relaxing", "relaxation_time", "exponent", "saturation_ratio",
             "thinning_ratio", "thickness",
