@@ -42,6 +42,16 @@ def test_a_zero_that_the_fit_knows_is_no_uncertainty_of_a_run():
     np.testing.assert_allclose(scaled_column(table, channel)[1], [0.02, 0.01])
 
 
+def test_a_slip_while_the_stage_rests_is_no_creep():
+    table = pd.DataFrame(
+        {"hold_creep_n_s": [-0.3, -0.01, -0.3], "flags": ["no_zero;slips_at_rest", np.nan, "no_zero"]}
+    )
+    table["shear_capacity_n"] = 0.5
+    shown = {c.name: scaled_column(table, c)[0] for c in CHANNELS if c.name in table}
+    np.testing.assert_array_equal(np.isnan(shown["hold_creep_n_s"]), [True, False, False])
+    assert np.isfinite(shown["shear_capacity_n"]).all()
+
+
 def test_a_run_whose_times_were_reckoned_wrong_stands_apart_from_its_condition():
     """Lines lost in small pieces: a release 1.6 ms late in a session that has no repeat of it; an effect that delays
     one session's runs, and a reckoned run among its like, stay."""

@@ -128,7 +128,25 @@ def test_the_time_of_nine_tenths_is_that_of_the_fall_where_noise_touches_its_lev
 
 def test_a_creep_ends_where_the_voltage_is_surely_on(monkeypatch):
     monkeypatch.setattr(hold, "slope", lambda run, start, end: (start, end))
+    monkeypatch.setattr(hold, "slips_between", lambda run, start, end: False)
     run = SimpleNamespace(
         require_unbroken_hold=lambda: None, off_doubt=0.002, events=SimpleNamespace(off=2.0, stage_stop=0.5)
     )
     assert OBSERVABLES["hold_creep_n_s"].measure(run) == pytest.approx((1.698, 1.998))
+
+
+@pytest.mark.parametrize(
+    ("slip", "creep", "flagged"), [(0.06, 0.0, True), (0.0, -0.3, False), (0.0, 0.0, False)]
+)
+def test_a_slip_while_the_stage_rests_is_said_and_a_creep_is_none(slip, creep, flagged):
+    """The slope is of the whole force either way, as defined."""
+    quiet = Made(frequency=0.4, capacity=0.5, hold=0.5)
+    for seed in range(4):
+        recording, _, off = make_run(quiet, np.random.default_rng(seed))
+        held = (recording.time > off - 0.4) & (recording.time < off)
+        lost = slip * (recording.time > off - 0.1) - creep * (recording.time - off + 0.4)
+        row = extract(replace(recording, force=recording.force - np.where(held, lost, 0.0)), Bench("test"))
+        assert ("slips_at_rest" in row["flags"].split(";")) == flagged
+        # a step a third of the window before its end has six times a third of two thirds of its height a window
+        slope = -slip / 0.3 * 6 * (1 / 3) * (2 / 3) + creep
+        assert row["hold_creep_n_s"] == pytest.approx(slope, abs=5 * row["hold_creep_n_s_sd"])

@@ -19,8 +19,11 @@ EARLY_SLIP = 0.15  # share of its largest force by which a run may slip too earl
 
 def scaled_column(table: pd.DataFrame, channel: Channel) -> tuple[FloatArray, FloatArray]:
     """An observable and its standard uncertainty on the comparison scale, (runs,) each. The zero that runs of a
-    session share is a parameter of the fit (diagnosis.readings): its part is left out where the table says it."""
+    session share is a parameter of the fit (diagnosis.readings): its part is left out where the table says it. A run
+    that slips while the stage rests has no creep: the slope of its force is that slip."""
     values = pd.to_numeric(table[channel.name], errors="coerce").to_numpy(dtype=float)
+    if channel.block == "creep":
+        values = np.where(_flagged(table, lambda flag: flag == "slips_at_rest"), np.nan, values)
     sd_name = f"{channel.name}_sd"
     if sd_name in table:
         sd = pd.to_numeric(table[sd_name], errors="coerce").to_numpy(dtype=float)

@@ -32,6 +32,7 @@ REASONS = {
     "no_release": "the force does not fall after the voltage",
     "no_swing": "no free swing stands out after the release",
     "no_slip": "no slip stands out while driven",
+    "slips_at_rest": "a slip while the stage rests: the creep is its slope, and does not count",
     "slips_crowded": "slips follow one another too fast to be told apart",
     "stage_moves_until_off": "the stage never rests under voltage",
     "cut_short": "the log ends early",

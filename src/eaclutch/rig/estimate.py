@@ -15,12 +15,14 @@ class Estimate:
     """``value`` +- ``sd`` (standard uncertainty, same unit); both NaN where ``reason`` says why.
 
     sd_zero_known: the standard uncertainty that would be left if the load cell's zero were known, where it is less.
+    flag: a stable word for what happened in the run where the number is as defined and yet not what it is meant for.
     """
 
     value: float
     sd: float
     reason: str = ""
     sd_zero_known: float | None = None
+    flag: str = ""
 
     @property
     def usable(self) -> bool:

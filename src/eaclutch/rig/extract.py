@@ -55,6 +55,7 @@ def extract_view(
             row[f"{name}_sd_zero_known"] = estimate.sd_zero_known
     usable = [name for name, estimate in estimates.items() if estimate.usable]
     row["usable"] = bool(np.isin(["shear_capacity_n", "release_time_90_s"], usable).any())
+    flags += [estimate.flag for estimate in estimates.values()]
     row["flags"] = ";".join(sorted(set(filter(None, flags))))
     row["reasons"] = ";".join(f"{name}:{e.reason}" for name, e in estimates.items() if e.reason)
     return run, row

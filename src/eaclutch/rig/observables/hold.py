@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 from eaclutch.records import ObservableInfo
 from eaclutch.rig.estimate import Estimate, Unusable
 from eaclutch.rig.observables._observable import Observable
 from eaclutch.rig.observables.capacity import peak
 from eaclutch.rig.observables.ramp import slope
+from eaclutch.rig.observables.slip import slips_between
 from eaclutch.rig.run_view import RunView
 
 CREEP_WINDOW = 0.3  # s before the voltage falls
@@ -49,7 +51,8 @@ def _creep(run: RunView) -> Estimate:
     start = max(off - CREEP_WINDOW, run.events.stage_stop + STAGE_SETTLING)
     if off - start < SHORTEST_CREEP:
         raise Unusable("stage_moves_until_off")
-    return slope(run, start, off)
+    creep = slope(run, start, off)
+    return replace(creep, flag="slips_at_rest") if slips_between(run, start, off) else creep
 
 
 OBSERVABLES = (

@@ -49,6 +49,12 @@ class Slips:
         means = uniform_filter1d(force, side)[side:-side]
         return cls(force, step, means[:-lag], means[:-lag] - means[lag:], side, lag)
 
+    def least(self, noise: Noise) -> float:
+        """The drop [N] from which one is a slip and no noise."""
+        weights = np.zeros(2 * self.side)
+        weights[: self.side], weights[-self.side :] = 1.0 / self.side, -1.0 / self.side
+        return THRESHOLD * noise.sd(weights)
+
     def ends(self, at: int) -> tuple[FloatArray, FloatArray, int]:
         """Weights of the force in the level at the top of slip ``at`` and in its drop from top to bottom, and the
         sample where both begin.
@@ -106,6 +112,12 @@ def _falls(force: FloatArray) -> FloatArray:
     return smooth[:-STEEP] - smooth[STEEP:]
 
 
+def slips_between(run: RunView, start: float, end: float) -> bool:
+    """Whether the force slips between two instants of the run's time [s]."""
+    every = Slips.of(run.force[run.window(start, end)], run.step)
+    return bool(np.max(every.drop, initial=0.0) > every.least(run.noise_moving))
+
+
 def _measure(run: RunView) -> Estimate:
     """The largest of many noisy slips is too large: each half of the samples measures the one that the other half
     takes for the largest."""
@@ -115,9 +127,7 @@ def _measure(run: RunView) -> Estimate:
     force = run.force[window] - run.zero.value
     every = Slips.of(force, run.step)
     noise = run.noise_moving
-    weights = np.zeros(2 * every.side)
-    weights[: every.side], weights[-every.side :] = 1.0 / every.side, -1.0 / every.side
-    least = THRESHOLD * noise.sd(weights)
+    least = every.least(noise)
     largest = int(np.argmax(every.drop))
     if every.drop[largest] < least or every.level[largest] < least:
         raise Unusable("no_slip")
