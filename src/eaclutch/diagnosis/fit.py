@@ -20,13 +20,14 @@ from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.gaussian import Linearised
 from eaclutch.diagnosis.hypothesis import HypothesisFit, form_signature, own_signature
 from eaclutch.diagnosis.mode import Mode, find_mode, mode_at
+from eaclutch.diagnosis.nearby import nearby
 from eaclutch.diagnosis.starts import other_zeros, starts
 from eaclutch.physics.effects import EFFECTS
 from eaclutch.physics.kernels.compiled import threads
 from eaclutch.records import FloatArray
 
-HOPS = 3  # times that a fit without effects tries other zeros of the load cell
-WORTH_A_HOP = 1.0  # nats that another zero has to gain
+HOPS = 3  # times that a fit without effects tries other zeros of the load cell, and one of effects draws around it
+WORTH_A_HOP = 1.0  # nats that another zero or draw has to gain
 ROUNDS = 2  # fits, each around a gap of the size that the one before found
 LARGEST_CHANGE = np.log(3.0)  # of that size from which another round is worth it
 
@@ -77,6 +78,14 @@ def fit_hypothesis(
         best = highest(begin, best)
         for _ in range(0 if base or forward.candidates else HOPS):
             tried = highest(other_zeros(forward, best.mode.u), best)
+            gained, best = tried.peak - best.peak, tried
+            if gained < WORTH_A_HOP:
+                break
+        for _ in range(HOPS if forward.candidates else 0):
+            near, promised = nearby(forward, data, best)
+            if promised < WORTH_A_HOP:
+                break
+            tried = highest([near], best)
             gained, best = tried.peak - best.peak, tried
             if gained < WORTH_A_HOP:
                 break
