@@ -111,3 +111,34 @@ def test_beside_a_base_fit_that_is_far_off_an_effect_also_starts_from_the_defaul
     assert len(found) == 2 + len(expected)
     assert all(np.array_equal(u, v) for u, v in zip(found[2:], expected, strict=True))
     assert len(begun({"damping": 1.2})) == 2  # where another fit's parameters are known
+
+
+def test_a_fit_of_effects_goes_on_from_what_lies_near_its_end(study, monkeypatch):
+    """From its one start it leads nowhere; the first look around finds the place, the second nothing more."""
+    there = study.fit(EFFECT)
+    looked, seek = [], fit.find_mode
+
+    def stuck(forward, values, covariance_at, u):
+        if np.allclose(u, there.mode.u):
+            return seek(forward, values, covariance_at, u)
+        predicted = forward.predict(forward.priors.from_normal(u))[0]
+        return fit.mode_at(forward, u, predicted, None, True)
+
+    def near(forward, data, found):
+        looked.append(found.peak)
+        return [there.mode.u] if len(looked) == 1 else []
+
+    monkeypatch.setattr(fit, "starts", lambda *given: [there.mode.u + 0.5])
+    monkeypatch.setattr(fit, "find_mode", stuck)
+    monkeypatch.setattr(fit, "nearby", near)
+    found = fit.fit_hypothesis(
+        study.forward(EFFECT),
+        study.data,
+        study.kernels,
+        study.thresholds,
+        base=study.base,
+        size=there.multipliers,
+    )
+    assert len(looked) >= 2 and looked[1] > looked[0] + 1.0
+    # the covariance holds the effect's signature where a fit starts
+    assert found.log_evidence == pytest.approx(there.log_evidence, abs=1.0)

@@ -26,8 +26,8 @@ from eaclutch.physics.effects import EFFECTS
 from eaclutch.physics.kernels.compiled import threads
 from eaclutch.records import FloatArray
 
-HOPS = 3  # times that a fit without effects tries other zeros of the load cell, and one of effects draws around it
-WORTH_A_HOP = 1.0  # nats that another zero or draw has to gain
+HOPS = 3  # times that a fit tries what lies farther on
+WORTH_A_HOP = 1.0  # nats that this has to gain
 ROUNDS = 2  # fits, each around a gap of the size that the one before found
 LARGEST_CHANGE = np.log(3.0)  # of that size from which another round is worth it
 
@@ -51,7 +51,7 @@ def fit_hypothesis(
     of the same data) are a start in the place of the base fit's, or of the defaults; of a fit from scratch at no wider
     tolerances than usual the only one. ``size``: multipliers (tolerance,
     session) that it begins with, where another fit has found how large the gap is. A fit of the model by itself tries
-    other zeros of the load cell from where it ends, that of an effect does not.
+    other zeros of the load cell from where it ends, that of effects looks around there (``_farther``).
     """
     best: HypothesisFit | None = None
     widest = max(thresholds["multipliers"]["tolerance"]["values"])
@@ -76,16 +76,11 @@ def fit_hypothesis(
         else:
             begin = starts(forward, data, kernels, size, base, beyond, seeds, widest)
         best = highest(begin, best)
-        for _ in range(0 if base or forward.candidates else HOPS):
-            tried = highest(other_zeros(forward, best.mode.u), best)
-            gained, best = tried.peak - best.peak, tried
-            if gained < WORTH_A_HOP:
+        for _ in range(HOPS):
+            begin = _farther(forward, data, best, alone=base is None)
+            if not begin:
                 break
-        for _ in range(HOPS if forward.candidates else 0):
-            near, promised = nearby(forward, data, best)
-            if promised < WORTH_A_HOP:
-                break
-            tried = highest([near], best)
+            tried = highest(begin, best)
             gained, best = tried.peak - best.peak, tried
             if gained < WORTH_A_HOP:
                 break
@@ -95,6 +90,14 @@ def fit_hypothesis(
         size = best.multipliers
     assert best is not None
     return best
+
+
+def _farther(forward: Forward, data: DataVector, best: HypothesisFit, alone: bool) -> list[FloatArray]:
+    """Starts (params,) beside a fit's end that no slope leads to: draws of its effects' parameters around it, or, of a
+    fit without effects that stands ``alone``, other zeros of the load cell."""
+    if forward.candidates:
+        return nearby(forward, data, best)
+    return other_zeros(forward, best.mode.u) if alone else []
 
 
 def fit_from(

@@ -8,34 +8,36 @@ parameters, the calibrated ones following linearly.
 from __future__ import annotations
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve
 from scipy.special import ndtri
 from scipy.stats import qmc
 
 from eaclutch.diagnosis.data import DataVector
 from eaclutch.diagnosis.forward import Forward
 from eaclutch.diagnosis.hypothesis import HypothesisFit
+from eaclutch.diagnosis.starts import following
 from eaclutch.records import FloatArray
 
 WIDTHS = (0.3, 0.6)  # prior sds by which the draws spread
 DRAWS = 64  # of each width, less one that is the end itself
+WORTH_A_LOOK = 1.0  # nats that the best of them has to promise
 
 
-def nearby(forward: Forward, data: DataVector, fit: HypothesisFit) -> tuple[FloatArray, float]:
-    """The best of the draws around ``fit``'s mode, (params,) in prior coordinates, and the nats that it promises over
-    the mode, 0 where none does."""
+def nearby(forward: Forward, data: DataVector, fit: HypothesisFit) -> list[FloatArray]:
+    """Starts (params,) in prior coordinates beside ``fit``'s mode: the best of the draws around it where it promises
+    enough over the mode, else none."""
     mode = fit.mode
     own = np.array([forward.own(name) for name in forward.priors.names])
     u = np.tile(mode.u, (1 + len(WIDTHS) * (DRAWS - 1), 1))
     drawn = ndtri(qmc.Sobol(int(own.sum()), scramble=False).random(DRAWS)[1:])
     u[1:, own] += np.concatenate([width * drawn for width in WIDTHS])
     u = np.clip(u, -5.0, 5.0)
-    follows = mode.jacobian[:, ~own]
-    predicted = forward.predict(forward.priors.from_normal(u))
-    w = data.values - predicted + u[:, ~own] @ follows.T
-    white = cho_solve(cho_factor(fit.linearised.covariance + follows @ follows.T, lower=True), w.T)
-    score = -0.5 * np.sum(w.T * white, axis=0) - 0.5 * np.sum(u[:, own] ** 2, axis=1)
+    calibrated = mode.jacobian[:, ~own]
+    w = data.values - forward.predict(forward.priors.from_normal(u)) + u[:, ~own] @ calibrated.T
+    score, followers = following(
+        w, calibrated, fit.linearised.covariance, 0.5 * np.sum(u[:, own] ** 2, axis=1)
+    )
     best = int(np.argmax(score))
-    start = u[best].copy()
-    start[~own] = np.clip(follows.T @ white[:, best], -5.0, 5.0)
-    return start, float(score[best] - score[0])
+    if score[best] - score[0] < WORTH_A_LOOK:
+        return []
+    u[best, ~own] = np.clip(followers[best], -5.0, 5.0)
+    return [u[best]]

@@ -103,20 +103,30 @@ def scout(forward: Forward, base: HypothesisFit, covariance: FloatArray) -> list
     if not own:
         return [u[0]]
     shift, cost = scout_shifts(forward, base)
-    factor = cho_factor(covariance + base.linearised.jacobian @ base.linearised.jacobian.T, lower=True)
-    w = base.linearised.w - shift
-    white = cho_solve(factor, w.T)
-    score = -0.5 * np.sum(w.T * white, axis=0) - cost
+    known = base.linearised
+    score, followers = following(known.w - shift, known.jacobian, covariance, cost)
     # the base fit with the effect nearly off comes first: a hypothesis that holds the base model should not do worse
     neutral = forward.priors.to_normal(neutral_parameters(forward, forward.priors.from_normal(u[0]), own))
     free = [p.neutral is None for p in forward.parameters]
     off = np.where(free, NEARLY_OFF, np.maximum(neutral, NEARLY_OFF))
     found = [np.where([i in own for i in range(u.shape[1])], off, u[0])]
     for i in np.argsort(-score)[:STARTS]:
-        followed = dict(zip(base.mode.names, base.linearised.jacobian.T @ white[:, i], strict=True))
+        followed = dict(zip(base.mode.names, followers[i], strict=True))
         start = np.array([followed.get(name, u[i, k]) for k, name in enumerate(forward.priors.names)])
         found.append(np.clip(start, -5.0, 5.0))
     return found
+
+
+def following(
+    w: FloatArray, jacobian: FloatArray, covariance: FloatArray, cost: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Log density [nats] (draws,) of draws of an effect's parameters that leave ``w`` (draws, entries) to the
+    calibrated ones, which follow linearly; and where those then stand (draws, calibrated) in prior coordinates.
+
+    jacobian: (entries, calibrated). covariance: (entries, entries). cost: the draws' own prior cost [nats] (draws,).
+    """
+    white = cho_solve(cho_factor(covariance + jacobian @ jacobian.T, lower=True), w.T)
+    return -0.5 * np.sum(w.T * white, axis=0) - cost, (jacobian.T @ white).T
 
 
 def scout_shifts(forward: Forward, base: HypothesisFit) -> tuple[FloatArray, FloatArray]:
