@@ -1,15 +1,18 @@
 """What counts, and how much: ramps that a slip may have cut, sessions that shake, and prior odds."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from diagnosis.simulated import inputs
 from eaclutch.diagnosis.channels import CHANNELS
+from eaclutch.diagnosis.conclude import caveats
 from eaclutch.diagnosis.repeatability import pooled_variance, session_share
 from eaclutch.diagnosis.screening import (
+    lone,
     misplaced,
     reaches,
     reckoned,
@@ -18,6 +21,7 @@ from eaclutch.diagnosis.screening import (
     wrongly_reckoned,
 )
 from eaclutch.diagnosis.settings import load_thresholds
+from eaclutch.diagnosis.study import Study
 from eaclutch.diagnosis.weigh import NONE, probabilities
 
 
@@ -68,6 +72,44 @@ def test_a_run_whose_times_were_reckoned_wrong_stands_apart_from_its_condition()
     alone[7] = 99  # no other run of its condition confirms it
     assert np.flatnonzero(misplaced(residual, np.full(24, 0.05), alone, moved)).tolist() == [4, 7]
     assert not reckoned(pd.DataFrame({"run": ["a"]})).any()
+
+
+def test_a_value_that_no_other_run_of_its_condition_comes_near_is_odd():
+    """Of lone runs (one a condition and session) and of two repeats; what a whole session or more than one run of a
+    condition does is no odd value, nor what a first fit explains."""
+    rng = np.random.default_rng(7)
+    conditions, sessions = np.repeat(np.arange(12), 4), np.tile(["a", "a", "b", "c"], 12)
+    values, sd = rng.normal(0.0, 0.05, 48) + 0.3 * (sessions == "b"), np.full(48, 0.01)
+
+    def odd(*changed, explained=0.0):
+        moved = values.copy()
+        for run, by in changed:
+            moved[run] += by
+        return np.flatnonzero(lone([moved, moved - explained], sd, conditions, sessions)).tolist()
+
+    assert odd() == []
+    assert odd((10, 0.7), (21, -2.0)) == [10, 21]  # alone in its session; one of two repeats
+    assert odd((10, 0.2)) == []
+    assert odd((10, 0.7), explained=np.where(np.arange(48) == 10, 0.7, 0.0)) == []
+    assert odd((8, 0.7), (9, 0.7)) == []  # repeats that bear each other out
+    assert odd((10, 0.7), (11, -0.7)) == []  # of these which is odd
+    assert odd((10, 0.7), (14, 0.7)) == []  # session b differs there
+    assert lone([values[:8]], sd[:8], conditions[:8], sessions[:8]).sum() == 0
+
+
+def test_an_odd_value_is_left_out_of_its_observable_and_told():
+    """Three sessions with one run a condition; the shear capacity of one run is read twenty times too large."""
+    asked = inputs(days=3, repeats=3)
+    table = asked.table.copy()
+    table.loc[7, "shear_capacity_n"] *= 20.0
+    study = Study(replace(asked, table=table), load_thresholds())
+    told = f"shear_capacity_n of {table.run[7]}"
+    assert study.data.odd == (told,)
+    assert any(told in note and "left out" in note for note in caveats(study))
+    names = [channel.name for channel in study.data.channels]
+    missing = np.isnan(study.data.run_values[:, 7])
+    assert missing[names.index("shear_capacity_n")]
+    assert not missing[names.index("release_time_50_s")]
 
 
 def test_a_first_fit_is_made_without_runs_whose_times_were_reckoned():

@@ -307,7 +307,7 @@ def test_unknown_for_repeats_that_drift_is_said_so_unless_a_smooth_term_says_mor
 def test_a_drift_of_repeats_is_a_caveat_and_so_are_few_of_them():
     drift = RepeatDrift("shear_capacity_n", 0.72, 5e-5, 6.6, 0.09)
     study = SimpleNamespace(
-        data=SimpleNamespace(bench=SimpleNamespace(notes=()), run_values=[np.arange(12.0) ** 2]), condensed=(),
+        data=SimpleNamespace(bench=SimpleNamespace(notes=()), run_values=[np.arange(12.0) ** 2], odd=()), condensed=(),
         conditions=SimpleNamespace(condition=tuple("abcdef") * 2, session=("1",) * 6 + ("2",) * 6), swings=0,
         drift=drift, dof={"x": 5}, inputs=SimpleNamespace(effects=()),
     )  # fmt: skip

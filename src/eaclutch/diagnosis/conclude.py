@@ -27,6 +27,7 @@ from eaclutch.diagnosis.withheld import withheld
 
 SESSION_DRIFT = "session_drift"
 CAMPAIGNS = 400  # simulated, for every p-value and the noise floor, unless the config says otherwise
+TOLD = 3  # values left out that the caveats name
 
 
 def conclude(study: Study, results: Sequence[CandidateResult], campaigns: int = CAMPAIGNS) -> dict[str, Any]:
@@ -168,6 +169,9 @@ def caveats(study: Study) -> list[str]:
         notes.append("one condition only: no condition can be left out, and nothing is known of any setting")
     if len(sessions) < 2:
         notes.append("one session only: session drift cannot be told")
+    if odd := study.data.odd:
+        more = f" and {len(odd) - TOLD} more" if len(odd) > TOLD else ""
+        notes.append(f"left out, far from all repeats: {', '.join(odd[:TOLD])}{more}")
     most = max(study.dof.values(), default=0)
     if most < FEW:
         across = any(across_sessions(values, study.conditions).dof for values in study.data.run_values)

@@ -50,6 +50,9 @@ class DataVector:
     zero_unknown: np.ndarray  # (runs,) whether the load cell's zero is still in the run's forces
     groups: np.ndarray  # (runs,) label of each run's (condition, session)
     entry_group: np.ndarray  # (run entries,) the same of each entry
+    odd: tuple[
+        str, ...
+    ]  # "observable of run": values left out because no other run of the condition bears them out
     run_values: FloatArray = field(repr=False)  # (channels, runs), comparison scale, NaN where unusable
 
     def __len__(self) -> int:

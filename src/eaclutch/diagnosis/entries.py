@@ -22,10 +22,11 @@ from eaclutch.diagnosis.repeatability import (
 from eaclutch.diagnosis.run_settings import run_features
 from eaclutch.diagnosis.screening import (
     COUNTED_BLOCKS,
+    SWING_BLOCKS,
+    far_from_its_repeats,
     reaches,
     scaled_column,
     slips_at_switch_off,
-    stray,
     voltage_off_doubt,
     wrongly_reckoned,
     zero_unknown,
@@ -35,7 +36,6 @@ from eaclutch.records import FloatArray, RunConditions
 
 IntArray = np.ndarray
 TIMED_BLOCK = "release"  # its times count from voltage off
-SWING_BLOCKS = ("release", "after")  # what a run shows after switch-off
 
 
 def build(
@@ -63,7 +63,8 @@ def build(
     bins = preload_bins(conditions.condition, preload)
     contradicted = wrongly_reckoned(table, conditions.condition, channels, explained)
     slipping = slips_at_switch_off(table, quarter_swing)
-    entries, values = [], []
+    labels, sessions = np.array(conditions.condition, dtype=str), np.array(conditions.session, dtype=str)
+    entries, values, odd = [], [], []
     kept: list[Any] = []
     for i, channel in enumerate(channels):
         scaled, sd = scaled_column(table, channel)
@@ -72,16 +73,17 @@ def build(
         scaled = np.where(reaches(table, channel, ramp_rate), scaled, np.nan)
         if channel.block in SWING_BLOCKS:
             scaled = np.where(slipping, np.nan, scaled)
-        if explained is not None:
-            scaled = np.where(stray(scaled - explained[i], sd, groups), np.nan, scaled)
+        compared = [scaled] if explained is None else [scaled, scaled - explained[i]]
+        apart = far_from_its_repeats(channel, compared, sd, labels, sessions, groups)
+        odd += [f"{channel.name} of {conditions.run[j]}" for j in np.flatnonzero(apart)]
         if channel.block in COUNTED_BLOCKS:
-            scaled = np.where(contradicted, np.nan, scaled)
+            apart |= contradicted
+        compared = [np.where(apart, np.nan, each) for each in compared]
+        scaled = compared[0]
         if np.count_nonzero(np.isfinite(scaled)) == 0:
             continue
         repeat, spread = pooled_variance(scaled, conditions.friction_before, groups, bins), scaled
-        compared = [scaled]
         if explained is not None:
-            compared.append(scaled - explained[i])
             other = pooled_variance(compared[1], conditions.friction_before, groups, bins)
             if other.variance < repeat.variance:
                 repeat, spread = other, compared[1]
@@ -92,7 +94,9 @@ def build(
         kept.append(channel)
         values.append(scaled)
     run_values = np.array(values).reshape(len(kept), len(conditions))
-    return _assemble(conditions, tuple(kept), entries, bench, groups, run_values, thresholds, table, preload)
+    return _assemble(
+        conditions, tuple(kept), entries, bench, groups, run_values, thresholds, table, preload, odd
+    )
 
 
 def _entries(scaled: FloatArray, variance: FloatArray, groups: IntArray, channel: int) -> list[tuple]:
@@ -118,6 +122,7 @@ def _assemble(
     thresholds: Mapping[str, Any],
     table: pd.DataFrame,
     preload: FloatArray,
+    odd: Sequence[str],
 ) -> DataVector:
     n_runs, n = len(conditions), len(entries)
     average = sparse.lil_matrix((n, len(channels) * n_runs))
@@ -161,6 +166,7 @@ def _assemble(
         zero_unknown(table),
         groups,
         groups[np.array(first, dtype=int)],
+        tuple(odd),
         run_values,
     )
 

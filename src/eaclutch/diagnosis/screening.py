@@ -13,7 +13,9 @@ from eaclutch.records import FloatArray
 # Of the load cell's quarter period; a tip that rests and loses all friction at once needs 0.29 and 0.67 of it.
 SLIPPING_SHARES = {"release_time_10_s": 0.17, "release_time_50_s": 0.4}
 STRAY_SDS = 6.0
+LONE_SDS = 10.0  # across sessions: they differ, and a value that much off outweighs what all others say
 COUNTED_BLOCKS = ("ramp", "release")  # whose numbers hang on where the force stands against the voltage
+SWING_BLOCKS = ("release", "after")  # what a run shows after switch-off
 EARLY_SLIP = 0.15  # share of its largest force by which a run may slip too early
 
 
@@ -76,6 +78,28 @@ def slips_at_switch_off(table: pd.DataFrame, quarter_swing: float) -> np.ndarray
     return slips
 
 
+def far_from_its_repeats(
+    channel: Channel,
+    compared: Sequence[FloatArray],
+    sd: FloatArray,
+    conditions: np.ndarray,
+    sessions: np.ndarray,
+    groups: np.ndarray,
+) -> np.ndarray:
+    """Runs (runs,) whose value is left out: far from the repeats in its session, once a first fit has explained what
+    differs from run to run, or from all runs of its condition. That is no reason where a tip that sticks a swing
+    earlier, by the force it starts from, ends its fall much earlier.
+
+    compared: values (runs,) as they are and, where there is a first fit, less what that explains. groups: labels of
+    (condition, session)."""
+    apart = np.zeros(len(sd), dtype=bool)
+    for explained in compared[1:]:
+        apart |= stray(explained, sd, groups)
+    if channel.block in SWING_BLOCKS:
+        return apart
+    return apart | lone([np.where(apart, np.nan, each) for each in compared], sd, conditions, sessions)
+
+
 def stray(residual: FloatArray, sd: FloatArray, groups: np.ndarray) -> np.ndarray:
     """Runs that stand far from their own repeats (three or more, so that the odd one out can be told)."""
     apart = np.full(len(residual), np.nan)
@@ -87,6 +111,39 @@ def stray(residual: FloatArray, sd: FloatArray, groups: np.ndarray) -> np.ndarra
     if np.count_nonzero(known) < 10:
         return np.zeros(len(residual), dtype=bool)
     return known & (np.abs(apart) > STRAY_SDS * np.hypot(_spread(np.abs(apart[known])), sd))
+
+
+def lone(
+    shown: Sequence[FloatArray], sd: FloatArray, conditions: np.ndarray, sessions: np.ndarray
+) -> np.ndarray:
+    """Runs (runs,) that no other run of their condition, of whatever session, comes near, however their values (runs,)
+    are ``shown``, where two or more others can tell. Sessions are levelled. Where several of a condition stand alone
+    nobody knows which is odd, and where several of a session do, the session differs."""
+    far = np.full(len(sd), np.inf)
+    for values in shown:
+        level, nearest, away = values.copy(), np.zeros(len(sd)), np.full(len(sd), np.nan)
+        for rows in _rows_of(sessions, values):
+            level[rows] -= np.median(level[rows])
+        for rows in _rows_of(conditions, values):
+            for i in rows if len(rows) >= 3 else ():
+                others = level[rows[rows != i]]
+                nearest[i], away[i] = np.min(np.abs(level[i] - others)), abs(level[i] - np.median(others))
+        known = away[np.isfinite(away)]
+        if len(known) < 10:
+            return np.zeros(len(sd), dtype=bool)
+        far = np.minimum(far, nearest / np.maximum(np.hypot(_spread(known), sd), 1e-300))
+    odd = far > LONE_SDS
+    crowded = [
+        rows for labels in (conditions, sessions) for rows in _rows_of(labels, odd) if odd[rows].sum() > 1
+    ]
+    odd[np.concatenate([*crowded, np.array([], dtype=int)])] = False
+    return odd
+
+
+def _rows_of(labels: np.ndarray, values: FloatArray) -> list[np.ndarray]:
+    """The rows with a value of each label that has one."""
+    found = (np.flatnonzero((labels == label) & np.isfinite(values)) for label in np.unique(labels))
+    return [rows for rows in found if len(rows)]
 
 
 def _spread(away: FloatArray) -> float:
