@@ -277,6 +277,12 @@ def test_a_name_that_surely_widens_the_gap_left_out_is_no_sure_name():
     found = probabilities([base, named], thresholds, surely)
     assert found[("unknown",)] == pytest.approx(corrected(thresholds["widening"]["share"]))
     assert sum(found.values()) == pytest.approx(1.0)
+    of_large = {("gap_tilt",): 1.01 * thresholds["widening"]["of_large"]}
+    kept = []
+    for gap in (0.99, 1.01):
+        base.gap_left_out = gap * thresholds["widening"]["large"]
+        kept.append(probabilities([base, named], thresholds, of_large)[("gap_tilt",)])
+    assert kept == pytest.approx([1.0, found[("gap_tilt",)]])
     named.adequate_p = 0.005
     also_misfits = probabilities([base, named], thresholds, surely)
     left = (1 - thresholds["widening"]["share"]) * (1 - thresholds["misfit_share"])

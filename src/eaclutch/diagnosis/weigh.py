@@ -45,7 +45,8 @@ def probabilities(
     name's beside which one was fitted. And a name whose fit fails the absolute check, or that leaves what a nameless
     remainder gains ``misfit_remainder`` nats by, gives ``misfit_share`` of its probability to ``unknown``, for
     evidence only says who is best, and more (``partly``) where it surely leaves much of a large gap on conditions left
-    out (``left``: how many times the base model's). So does one that surely widens that by far (``widening``). The
+    out (``left``: how many times the base model's). So does one that surely widens that by far, or a large one
+    hardly less (``widening``). The
     odds of ``unknown`` against all that may be named are corrected last (``unknown_odds``); no effect keeps its
     probability, but for what it gives to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what
     drifts is no scatter, and no effect of the library does that.
@@ -94,7 +95,7 @@ def _kept(result: CandidateResult, left: float, gap: float, thresholds: Mapping[
     if needs or result.adequate_p < thresholds["verdict"]["adequate_p_value"]:
         much = gap > partly["gap"] and left > partly["times"]
         kept -= float(partly["share"] if much else thresholds["misfit_share"])
-    if left > widening["times"]:
+    if left > widening["times"] or (gap > widening["large"] and left > widening["of_large"]):
         kept *= 1.0 - float(widening["share"])
     return kept
 
