@@ -280,9 +280,10 @@ def test_a_name_that_surely_widens_the_gap_left_out_is_no_sure_name():
     of_large = {("gap_tilt",): 1.01 * thresholds["widening"]["of_large"]}
     kept = []
     for gap in (0.99, 1.01):
-        base.gap_left_out = gap * thresholds["widening"]["large"]
+        base.gap_left_out = gap * thresholds["large_gap"]
         kept.append(probabilities([base, named], thresholds, of_large)[("gap_tilt",)])
     assert kept == pytest.approx([1.0, found[("gap_tilt",)]])
+    base.gap_left_out = 1.0
     named.adequate_p = 0.005
     also_misfits = probabilities([base, named], thresholds, surely)
     left = (1 - thresholds["widening"]["share"]) * (1 - thresholds["misfit_share"])
@@ -294,14 +295,14 @@ def test_a_name_that_fails_the_check_and_surely_leaves_much_of_the_gap_gives_mor
     partly = thresholds["partly"]
     assert partly["share"] > thresholds["misfit_share"]
     base, named = weighed(NONE, -200.0, without=-200.0), weighed(("gap_tilt",), 0.0, without=-200.0)
-    base.gap_left_out = 1.01 * partly["gap"]
+    base.gap_left_out = 1.01 * thresholds["large_gap"]
     much, little = ({("gap_tilt",): factor * partly["times"]} for factor in (1.01, 0.99))
     assert probabilities([base, named], thresholds, much)[("gap_tilt",)] == pytest.approx(1.0)
     named.adequate_p = 0.005
     unknown = [probabilities([base, named], thresholds, left)[("unknown",)] for left in (much, little)]
     assert unknown[0] == pytest.approx(corrected(partly["share"]))
     assert unknown[1] == pytest.approx(corrected(thresholds["misfit_share"]))
-    base.gap_left_out = 0.99 * partly["gap"]  # where little can be closed most of it is left
+    base.gap_left_out = 0.99 * thresholds["large_gap"]  # where little can be closed most of it is left
     small = probabilities([base, named], thresholds, much)
     assert small[("unknown",)] == pytest.approx(corrected(thresholds["misfit_share"]))
 

@@ -16,8 +16,8 @@ REQUIRED = ("provenance", "session_sd", "session_together", "tolerance", "scatte
             "repeat_prior_dof", "unrepeated_sd", "within_block_correlation", "tolerance_shares", "length_scales",
             "signature_tolerance", "multipliers", "nameless", "modulated", "remainder_cost", "pair_widening",
             "one_condition", "against_unknown", "unknown_odds", "free_swing", "misfit_share", "misfit_remainder",
-            "partly", "widening", "narrowing_weight", "prior", "priors", "temperature", "verdict", "place", "caveats",
-            "sentences")  # fmt: skip
+            "large_gap", "partly", "widening", "narrowing_weight", "prior", "priors", "temperature", "verdict", "place",
+            "caveats", "sentences")  # fmt: skip
 
 
 @cache

@@ -91,11 +91,12 @@ def _kept(result: CandidateResult, left: float, gap: float, thresholds: Mapping[
     """Share of its probability that a name keeps from ``unknown``, for what it leaves: ``left`` times the base model's
     ``gap``."""
     partly, widening, kept = thresholds["partly"], thresholds["widening"], 1.0
+    large = gap > thresholds["large_gap"]
     needs = result.log_evidence_open - result.log_evidence > thresholds["misfit_remainder"]
     if needs or result.adequate_p < thresholds["verdict"]["adequate_p_value"]:
-        much = gap > partly["gap"] and left > partly["times"]
+        much = large and left > partly["times"]
         kept -= float(partly["share"] if much else thresholds["misfit_share"])
-    if left > widening["times"] or (gap > widening["large"] and left > widening["of_large"]):
+    if left > (widening["of_large"] if large else widening["times"]):
         kept *= 1.0 - float(widening["share"])
     return kept
 
