@@ -108,12 +108,15 @@ CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
             "film_free_gap": 8e-6,
         },
     ),
-    # exp(0.75 * 0.2) on the force, exp(0.25 * 0.2) on friction, in the second session only
+    # exp(0.75 * 0.2) on the force, exp(0.25 * 0.2) on friction, exp(1.5 * 0.25 * 0.2) more on static, in the second
+    # session only
     "session_drift": (
-        {"offset_2": 0.2, "offset_3": -0.9, "friction_share": 0.25},
+        {"offset_2": 0.2, "offset_3": -0.9, "friction_share": 0.25, "static_excess": 1.5},
         {
             "force_factor": [1.0, 1.0, 1.16183424, 1.16183424],
             "friction_factor": [1.0, 1.0, 1.05127110, 1.05127110],
+            "static_factor_release": [1.0, 1.0, 1.07788415, 1.07788415],
+            "static_factor_ramp": [1.0, 1.0, 1.07788415, 1.07788415],
         },
     ),
     "reading_drift": (
