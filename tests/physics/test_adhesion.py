@@ -11,7 +11,12 @@ from scipy.special import ndtr
 
 from eaclutch.physics import laws
 from eaclutch.physics.effects import BASE
-from eaclutch.physics.kernels.contact import adhesion
+from eaclutch.physics.kernels.batch import RESULTS, STATUSES, simulate_batch
+from eaclutch.physics.kernels.contact import adhesion, contact
+from eaclutch.physics.kernels.drive import RELEASING
+from eaclutch.physics.kernels.film import equilibrium
+from eaclutch.physics.kernels.release import END
+from eaclutch.physics.kernels.statics import gap_at_load
 from eaclutch.physics.model import ClutchModel
 from eaclutch.physics.tables import tables
 
@@ -117,3 +122,34 @@ def test_the_fixture_is_pulled_as_hard_per_area(sticky, ratio):
     expected = laws.capacitance(pad, 2e-3, np.array(gaps), kappa, 24e-6)
     found = sticky.capacitance(force, 2e-3, {**_given(PRESSURE, ratio), "stray_capacitance": 0.0})
     assert found[0] == pytest.approx(expected, rel=1e-7)
+
+
+def test_faces_part_with_more_pull_than_they_met_with(sticky, runs):
+    """What comes before switch-off stays as it is; the fall ends where a film at rest would lie under that pull."""
+    ratio, given = 3.0, _given(4e4, 1.5)
+    apart = given | {"surface_adhesion.separation_ratio": ratio}
+    (met,), (parted,) = (
+        sticky.predict(runs(), values).values["release_time_90_s"] for values in (given, apart)
+    )
+    assert (parted > 1.05 * met).all()
+    for name in ("shear_capacity_n", "engagement_time_s"):
+        np.testing.assert_array_equal(
+            sticky.predict(runs(), apart).values[name], sticky.predict(runs(), given).values[name]
+        )
+    row, plain = (sticky.rows(runs(), values)[0][0, 0] for values in (apart, given))
+    load = 0.3 + row["film_weight"]
+    before = gap_at_load(plain, load, tables())
+    pull_of = row["adhesion_force"]
+    row["adhesion_force"] = ratio * pull_of
+    gap, _ = equilibrium(row, END, before, load, before, RELEASING, tables())
+    attraction, _ = adhesion(row, gap, tables())
+    assert gap < before
+    assert contact(row, gap, tables())[0] == pytest.approx(load + attraction, rel=1e-6)
+
+
+def test_a_simulation_leaves_its_row_as_it_was(sticky, runs):
+    rows = sticky.rows(runs(), _given(4e4, 1.5) | {"surface_adhesion.separation_ratio": 3.0})[0].reshape(-1)
+    kept, tall = rows.copy(), (len(rows), len(RESULTS))
+    status = np.empty((len(rows), len(STATUSES)), dtype=np.int8)
+    simulate_batch(rows, tables(), True, True, 0.99, 1e-3, np.empty(tall), status)
+    assert rows.tobytes() == kept.tobytes()

@@ -57,7 +57,8 @@ class Sockets:
     fixture_adhesion_force: FloatArray | float = (
         0.0  # N; the same on the capacitance fixture, of the pad's area
     )
-    adhesion_range: FloatArray | float = 1.0  # .. Phi(-h / (adhesion_range sigma))
+    adhesion_range: FloatArray | float = 1.0  # .. Phi(-h / (adhesion_range sigma)), ..
+    adhesion_separating: FloatArray | float = 1.0  # .. so many times as much from switch-off on
     # film
     film_weight: FloatArray | float = 0.0  # N; m_d g
     damping_factor: FloatArray | float = 0.0  # multiplies the squeeze-film coefficient; 0 = no squeeze film

@@ -78,7 +78,13 @@ def test_the_neutral_value_is_exactly_off(effect: Effect, inputs: Inputs):
     off = _values(effect, lambda p: drawn[p.name] if p.neutral is None else p.neutral)
     unset = effect.apply(Sockets(), inputs, off)
     # say nothing while their amplitude is zero
-    decoration = {"residual_decay_time", "weakening_speed", "adhesion_range", "film_free_gap"}
+    decoration = {
+        "residual_decay_time",
+        "weakening_speed",
+        "adhesion_range",
+        "adhesion_separating",
+        "film_free_gap",
+    }
     assert set(_same(unset, Sockets(), (4,))) <= decoration
 
 

@@ -80,11 +80,12 @@ CASES: dict[str, tuple[dict[str, float], dict[str, Any]]] = {
     ),
     # 11.1 N Phi(-2) / Phi(-0.8) = 11.1 N x 0.02275013 / 0.21185540
     "surface_adhesion": (
-        {"pressure": 1e5, "range_ratio": 2.5, "fixture_share": 0.5},
+        {"pressure": 1e5, "range_ratio": 2.5, "fixture_share": 0.5, "separation_ratio": 2.0},
         {
             "adhesion_force": [1.1919756, 1.1919756, 2.3839512, 1.1919756],
             "fixture_adhesion_force": [0.5959878, 0.5959878, 1.1919756, 0.5959878],
             "adhesion_range": 2.5,
+            "adhesion_separating": 2.0,
         },
     ),
     # a ramp of 1 N / (9.009 N/s) = 0.11100 s; rests of half of it plus 0.5 ms, 0 and 50 ms

@@ -9,9 +9,10 @@ import numpy as np
 
 from eaclutch.physics.kernels.compiled import compiled, compiled_free, threads, unmanaged
 from eaclutch.physics.kernels.engagement import engagement_time
+from eaclutch.physics.kernels.parting import release
 from eaclutch.physics.kernels.ramp import climb_since_level, driven_run, force_after_hold
 from eaclutch.physics.kernels.readout import read_crossings
-from eaclutch.physics.kernels.release import final_force, release
+from eaclutch.physics.kernels.release import final_force
 from eaclutch.physics.kernels.statics import (
     NEVER_SLIPS,
     OK,

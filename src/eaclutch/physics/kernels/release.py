@@ -61,8 +61,9 @@ def _quintic(f, ends, dt, scale, linear_a, linear_b, bulge):
 
 
 @compiled
-def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, segments, work):
-    """(status, segments used, time of rest, force at rest [N]) from the force ``switch_off`` [N] at t = 0.
+def fall(p, preload, gap_before, gap_after, gap_driven, switch_off, tolerance, tables, segments, work):
+    """(status, segments used, time of rest, force at rest [N]) from the force ``switch_off`` [N] at t = 0;
+    ``gap_after`` [m] is where the film comes to rest.
 
     Times count from the drive's edge (without the drive delay). The film's motion does not depend on the tip's, so
     each film step is followed by the tip over the same span.
@@ -71,7 +72,7 @@ def release(p, preload, gap_before, gap_driven, switch_off, tolerance, tables, s
     stiffness = train_stiffness(p)
     state, kinetic, static, spare = work[0], work[1], work[2], work[3]
     state[0], state[1], state[2], state[3] = STUCK, switch_off / stiffness, 0.0, 0.0
-    lift_end, _ = contact(p, gap_before, tables)
+    lift_end, _ = contact(p, gap_after, tables)
     static_end, kinetic_end = _frictions(p, lift_end, p.substrate_weight + load)
     static_end = max(static_end, kinetic_end + p.side_friction)
     dynamic = p.load_cell_dynamic != 0.0

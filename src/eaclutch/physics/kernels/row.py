@@ -20,7 +20,7 @@ ROW = np.dtype(
             # contact: contact_scale = k L w sigma^1.5, sigma the roughness; gap_half_spread [m] of an even
             # spread, gap_levelling [1/N] that makes it smaller, gap_in_air the share that the air sees
             "contact_scale", "contact_law_bend", "sigma", "inverse_sigma", "gap_half_spread", "gap_levelling",
-            "gap_in_air", "adhesion_force", "adhesion_range",
+            "gap_in_air", "adhesion_force", "adhesion_range", "adhesion_separating",
             # film: damping [N s m2] so that F_b = -damping / (h^2 (h + 6 slip_length)) dh/dt
             "film_mass", "film_weight", "damping", "slip_length", "film_spring", "film_hardening", "film_free_gap",
             # friction
