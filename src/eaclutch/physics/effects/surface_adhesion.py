@@ -66,7 +66,7 @@ EFFECT = Effect(
             "1",
             (1.0, 10.0),
             1.0,
-            Prior("lognormal", 1.2, 0.6),
+            Prior("lognormal", 1.0, 0.5),
             description="attraction from switch-off on over that before; 1: faces part as they met",
         ),
     ),
