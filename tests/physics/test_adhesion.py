@@ -125,7 +125,8 @@ def test_the_fixture_is_pulled_as_hard_per_area(sticky, ratio):
 
 
 def test_faces_part_with_more_pull_than_they_met_with(sticky, runs):
-    """What comes before switch-off stays as it is; the fall ends where a film at rest would lie under that pull."""
+    """What comes before switch-off stays as it is, the release takes longer, and the rest that a fall heads for
+    balances that pull."""
     ratio, given = 3.0, _given(4e4, 1.5)
     apart = given | {"surface_adhesion.separation_ratio": ratio}
     (met,), (parted,) = (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
@@ -60,6 +61,8 @@ def study_of(campaign: Path, results: Path, settings: str, seed: int, gap: Path 
 def diagnosis_gap(output: Path, **options: Any) -> None:
     """Is there a gap beyond repeatability? The base model's fit (gap.json)."""
     study = study_of(**options)
+    for value in study.data.odd:
+        logging.info("left out, far from all repeats: %s", value)
     base = study.weigh(())
     summary = gap_summary(study, base)
     write_json(output, {"schema": 1, "summary": summary, "base": base.document(), **study.fits})

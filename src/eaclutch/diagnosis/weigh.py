@@ -34,22 +34,21 @@ def probabilities(
     """Probability of each weighed set of effects; adds up to one.
 
     ``results`` hold the base model (no effects; its open evidence is that of ``unknown``) and every single and pair
-    that was fitted. A named set may leave a nameless remainder, which costs it ``remainder_cost`` nats: its law is
-    not the library's, but it is still the cause. An effect that the library lacks must do better than that by
-    itself. A set that predicts left-out conditions worse than the base model, or a pair clearly worse than one of
-    its two, may leave none: what makes a gap wider explains no part of it, however well it does elsewhere once a
-    block is given up. Of the nats by which the best name beats the nameless terms only a part counts
-    (``against_unknown``): these stand for all laws that nobody wrote down, and such a law may look more like a
-    library effect than like them. Lookalikes, each less probable beforehand than an effect of the library
-    (``lookalike_share``, ``odds``), are written down, and count in full; what they win is ``unknown``'s, and the
-    name's beside which one was fitted. And a name whose fit fails the absolute check, or that leaves what a nameless
-    remainder gains ``misfit_remainder`` nats by, gives ``misfit_share`` of its probability to ``unknown``, for
-    evidence only says who is best, and more (``partly``) where it surely leaves much of a large gap on conditions left
-    out (``left``: how many times the base model's). So does one that surely widens that by far, or a large one
-    hardly less (``widening``). The
-    odds of ``unknown`` against all that may be named are corrected last (``unknown_odds``); no effect keeps its
-    probability, but for what it gives to ``unknown`` where repeats drift (``CandidateResult.repeat_drift``): what
-    drifts is no scatter, and no effect of the library does that.
+    that was fitted. A named set may leave a nameless remainder, which costs it ``remainder_cost`` nats: its law is not
+    the library's, but it is still the cause. An effect that the library lacks must do better than that by itself. A set
+    that predicts left-out conditions worse than the base model, or a pair clearly worse than one of its two, may leave
+    none: what makes a gap wider explains no part of it, however well it does elsewhere once a block is given up. Of the
+    nats by which the best name beats the nameless terms only a part counts (``against_unknown``): these stand for all
+    laws that nobody wrote down, and such a law may look more like a library effect than like them. Lookalikes, each
+    less probable beforehand than an effect of the library (``lookalike_share``, ``odds``), are written down, and count
+    in full; what they win is ``unknown``'s, and the name's beside which one was fitted. And a name whose fit fails the
+    absolute check, or that leaves what a nameless remainder gains ``misfit_remainder`` nats by, gives ``misfit_share``
+    of its probability to ``unknown``, for evidence only says who is best, and more (``partly``) where it surely leaves
+    much of a large gap on conditions left out (``left``: how many times the base model's). So does one that surely
+    widens that by far, or hardly narrows a large one (``widening``). The odds of ``unknown`` against all that may be
+    named are corrected last (``unknown_odds``); no effect keeps its probability, but for what it gives to ``unknown``
+    where repeats drift (``CandidateResult.repeat_drift``): what drifts is no scatter, and no effect of the library does
+    that.
     """
     scores = _scores(results, thresholds)
     # a name that leaves what a lookalike explains is still the cause, as one that leaves a nameless remainder

@@ -35,7 +35,7 @@ def _draw(rng: np.random.Generator) -> dict[str, float]:
     drawn = {f"offset_{number + 1}": float(offsets[number]) for number in range(SESSIONS)}
     return drawn | {
         "friction_share": float(rng.uniform(0.0, 1.0)),
-        "static_excess": float(rng.normal(0.0, 0.5)),
+        "static_excess": float(np.clip(rng.normal(0.0, 0.5), -1.99, 3.99)),
     }
 
 
